@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from heavylift.modal.constraints import free_dofs
 from heavylift.modal.eigen import eigenmodes
 from heavylift.modal.flexibility import Flexibility, apply_mass, held_dofs, held_nodes
 from heavylift.numerics.outcome import InputError
@@ -28,6 +29,7 @@ __all__ = [
     "Loads",
     "craig_bampton",
     "eigenmode_basis",
+    "inner_modes",
     "moment_matching",
     "patch_loads",
     "place_loads",
@@ -46,7 +48,7 @@ class Basis:
     Attributes
     ----------
     vectors
-        Node-major, shape (3n, nv); the scale does not matter.
+        Node-major, shape (N, nv); the scale does not matter.
     labels
         Where each vector comes from, length nv.
     """
@@ -59,7 +61,7 @@ class Basis:
 
 
 class Loads(NamedTuple):
-    """Load vectors [N], node-major, shape (3n, m), and their names."""
+    """Load vectors [N], node-major, shape (N, m), and their names."""
 
     forces: NDArray[np.float64]
     labels: tuple[str, ...]
@@ -75,7 +77,7 @@ def point_loads(model: FEModel, nodes: Nodes, directions: str = "xyz") -> Loads:
     """
     chosen = _checked_nodes(model, nodes, "nodes")
     axes = _checked_axes(directions)
-    forces = np.zeros((3 * model.node_count, len(chosen) * len(axes)))
+    forces = np.zeros((model.dof_count, len(chosen) * len(axes)))
     rows = (3 * chosen[:, None] + axes).ravel()
     forces[rows, np.arange(len(rows))] = 1.0
     return Loads(forces, tuple(f"node {node} {_AXES[axis]}" for node in chosen for axis in axes))
@@ -102,11 +104,11 @@ def place_loads(
     places: dict[tuple[Any, ...], str] = {}
     source = model.name or "finite element model"
     for index, point in enumerate(points):
-        nodes, weights = find_place(model.nodes, model.mesh, point, source=source, key=f"{key}.{index}")
+        nodes, weights = find_place(model.nodes, model.elements, point, source=source, key=f"{key}.{index}")
         at = ", ".join(f"{1e3 * float(x):.6g}" for x in point)
         name = f"node {nodes[0]}" if len(nodes) == 1 else f"point ({at}) mm"
         places.setdefault((tuple(nodes), tuple(np.round(weights, 9))), name)
-    forces = np.zeros((3 * model.node_count, len(places) * len(axes)))
+    forces = np.zeros((model.dof_count, len(places) * len(axes)))
     column = 0
     for nodes, weights in places:
         for axis in axes:
@@ -157,7 +159,7 @@ def patch_loads(
             key="weights",
             expected=f"{len(chosen)} finite numbers, one a node, with a sum other than zero",
         )
-    forces = np.zeros((3 * model.node_count, len(axes)))
+    forces = np.zeros((model.dof_count, len(axes)))
     for column, axis in enumerate(axes):
         forces[3 * chosen + axis, column] = share / share.sum()
     return Loads(forces, tuple(f"{name} {_AXES[axis]}" for axis in axes))
@@ -250,12 +252,18 @@ def moment_matching(flexibility: Flexibility, loads: Loads, order: int) -> Basis
         if not found:
             break
         source, names = np.column_stack(found), tuple(found_names)
-    return Basis(np.column_stack(kept) if kept else np.zeros((3 * mass.shape[0], 0)), tuple(labels))
+    return Basis(np.column_stack(kept) if kept else np.zeros((flexibility.model.dof_count, 0)), tuple(labels))
 
 
 @one_blas_thread
 def craig_bampton(
-    model: FEModel, interface: Nodes, count: int, *, fixed_nodes: Nodes = (), backend: str = "auto"
+    model: FEModel,
+    interface: Nodes,
+    count: int,
+    *,
+    up_to: float | None = None,
+    fixed_nodes: Nodes = (),
+    backend: str = "auto",
 ) -> Basis:
     """Craig-Bampton basis: interface displacements one by one, and modes with the interface held.
 
@@ -267,6 +275,8 @@ def craig_bampton(
         Nodes where other bodies are attached.
     count
         Number of fixed-interface modes; 0 for static (Guyan) condensation.
+    up_to
+        Only those up to this frequency [Hz].
     fixed_nodes
         Clamped nodes.
     backend
@@ -285,7 +295,7 @@ def craig_bampton(
     """
     boundary = _checked_nodes(model, interface, "interface")
     clamped = held_nodes(model, fixed_nodes)
-    both = np.intersect1d(boundary, held_dofs(model, clamped) // 3)
+    both = np.intersect1d(boundary, model.dof_nodes[held_dofs(model, clamped)])
     if both.size:
         raise InputError(
             f"node {both[0]} is held and an interface node",
@@ -301,14 +311,41 @@ def craig_bampton(
             key="interface",
             expected="at least three nodes that are not on one line",
         )
-    rows = (3 * boundary[:, None] + np.arange(3)).ravel()
-    vectors = inner.solve(-model.stiffness[:, rows].toarray())
+    rows = model.node_dofs(boundary)
+    moved = free_dofs(model, held_dofs(model, clamped))
+    led = np.setdiff1d(rows, moved.unknowns)
+    if led.size:
+        raise InputError(
+            f"node {model.dof_nodes[led[0]]} follows others and is an interface node",
+            source=model.name or "finite element model",
+            key="interface",
+            expected="nodes that move by themselves, such as those that it follows",
+        )
+    vectors = np.zeros((model.dof_count, len(rows)))
     vectors[rows, np.arange(len(rows))] = 1.0
-    basis = Basis(vectors, tuple(f"interface node {node} {axis}" for node in boundary for axis in _AXES))
-    if count:
-        modes = eigenmodes(model, count, flexibility=inner)
-        basis += Basis(modes.shapes, tuple(f"fixed-interface mode {k + 1}" for k in range(count)))
-    return basis
+    vectors = moved.expanded(vectors)
+    inner_part = inner.solve(-(model.stiffness @ vectors))
+    vectors += inner_part
+    basis = Basis(vectors, tuple(f"interface node {node} {axis}" for node, axis in _named(model, rows)))
+    return basis + inner_modes(model, inner, count, up_to)
+
+
+def inner_modes(model: FEModel, inner: Flexibility, count: int, up_to: float | None) -> Basis:
+    """Modes with the interfaces held, some number of them or up to a frequency [Hz]; perhaps none."""
+    if not count and up_to is None:
+        return Basis(np.empty((model.dof_count, 0)), ())
+    modes = eigenmodes(model, count, up_to=up_to, flexibility=inner)
+    names = tuple(f"fixed-interface mode {k + 1}" for k in range(len(modes.eigenvalues)))
+    return Basis(modes.shapes, names)
+
+
+def _named(model: FEModel, dofs: NDArray[np.int64]) -> list[tuple[int, str]]:
+    """Node and axis of degrees of freedom; ``"x"`` of a displacement, ``"turn x"`` of a rotation."""
+    turns = dofs >= 3 * model.node_count
+    return [
+        (int(node), ("turn " if turn else "") + _AXES[dof % 3])
+        for node, dof, turn in zip(model.dof_nodes[dofs], dofs, turns, strict=True)
+    ]
 
 
 def _checked_nodes(model: FEModel, nodes: Nodes, key: str) -> NDArray[np.int64]:

@@ -248,7 +248,7 @@ def contact_loads(
             key=name,
             expected="nodes of outer faces, or directions of x, y, z",
         )
-    forces = np.zeros((3 * model.node_count, len(free)))
+    forces = np.zeros((model.dof_count, len(free)))
     forces[(3 * free[:, None] + np.arange(3)).T, np.arange(len(free))] = along.T
     return Loads(forces, tuple(f"{name} node {node} {NORMAL}" for node in free))
 
@@ -293,7 +293,9 @@ def footprint_loads(
     if directions != NORMAL:
         touched = np.flatnonzero(weights)
         return patch_loads(model, touched, directions, weights=weights[touched], name=name)
-    return Loads(normal.reshape(-1, 1), (f"{name} {NORMAL}",))
+    forces = np.zeros((model.dof_count, 1))
+    forces[: normal.size, 0] = normal.ravel()
+    return Loads(forces, (f"{name} {NORMAL}",))
 
 
 def footprint_weights(

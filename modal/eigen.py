@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from heavylift.modal.constraints import FreeDofs
     from heavylift.preprocess.finite_elements.model import FEModel
 
 __all__ = [
@@ -73,7 +74,7 @@ class Modes:
     eigenvalues
         Squared angular frequencies [rad^2/s^2], ascending, shape (nf,).
     shapes
-        Mass-normalised mode shapes [kg^-1/2], node-major, shape (3n, nf); zero at clamped nodes; the
+        Mass-normalised mode shapes [kg^-1/2], node-major, shape (N, nf); zero at clamped nodes; the
         component of largest magnitude is positive.
     residuals
         ``||K phi - w2 M phi|| / (w2 ||M phi||)`` over the free degrees of freedom, shape (nf,).
@@ -103,18 +104,21 @@ def eigenmodes(
     model: FEModel,
     count: int,
     *,
+    up_to: float | None = None,
     fixed_nodes: Sequence[int] | NDArray[np.int64] = (),
     backend: str = "auto",
     flexibility: Flexibility | None = None,
 ) -> Modes:
-    """Lowest flexible eigenmodes of ``K phi = w2 kron(M_s, 1) phi``.
+    """Lowest flexible eigenmodes of ``K phi = w2 M phi``.
 
     Parameters
     ----------
     model
         Finite element model with a consistent or lumped mass.
     count
-        Number of flexible modes.
+        Number of flexible modes. With `up_to` the largest number, 0 for any.
+    up_to
+        Only modes up to this frequency [Hz].
     fixed_nodes
         Clamped nodes besides the nodes and directions that the model holds itself. None at all: a free body,
         whose six rigid modes are found analytically and removed, as are those that supports leave.
@@ -127,8 +131,8 @@ def eigenmodes(
     Raises
     ------
     InputError
-        More modes than flexible degrees of freedom, none, or a model that is not one supported or
-        free elastic body.
+        More modes than flexible degrees of freedom, none, none up to the frequency, or a model that is not one
+        supported or free elastic body.
     ModesNotConvergedError
         If residuals or orthogonality miss the limits.
 
@@ -141,6 +145,9 @@ def eigenmodes(
     """
     body = flexibility or Flexibility(model, fixed_nodes, backend=backend)
     available = len(body.unknowns) - body.rigid_count
+    highest = None if up_to is None else (2.0 * np.pi * up_to) ** 2
+    if highest is not None and count == 0:
+        count = available
     if not 1 <= count <= available:
         raise InputError(
             f"{count} modes requested",
@@ -149,10 +156,10 @@ def eigenmodes(
             expected=f"1 to {available}, the number of flexible degrees of freedom",
         )
     dense = len(body.unknowns) <= _DENSE_UNKNOWNS or (
-        6 * count > len(body.unknowns) and len(body.unknowns) <= _DENSE_LIMIT
+        highest is None and 6 * count > len(body.unknowns) and len(body.unknowns) <= _DENSE_LIMIT
     )
     try:
-        values, shapes = _dense(body, count) if dense else _iterative(body, count)
+        values, shapes = _dense(body, count, highest) if dense else _iterative(body, count, highest)
     except np.linalg.LinAlgError as error:
         raise InputError(
             f"no modes are found: {str(error).lower()}",
@@ -160,8 +167,17 @@ def eigenmodes(
             key="modes",
             expected="sizes, densities and moduli whose products a computer can hold",
         ) from None
+    if highest is not None:
+        if values[0] > highest:
+            raise InputError(
+                f"no mode up to {up_to:.9g} Hz",
+                source=model.name or "finite element model",
+                key="up_to",
+                expected=f"at least the first frequency, {np.sqrt(values[0]) / (2.0 * np.pi):.6g} Hz",
+            )
+        values, shapes = values[values <= highest], shapes[:, values <= highest]
     shapes = signed(shapes)
-    residuals = relative_residuals(model, values, shapes, free=body.unknowns)
+    residuals = relative_residuals(model, values, shapes, free=body.dofs)
     orthogonality = orthogonality_error(model, shapes)
     if not (np.all(residuals <= RESIDUAL_LIMIT) and orthogonality <= ORTHOGONALITY_LIMIT):
         raise ModesNotConvergedError(
@@ -179,28 +195,27 @@ def relative_residuals(
     eigenvalues: NDArray[np.float64],
     shapes: NDArray[np.float64],
     *,
-    free: NDArray[np.int64] | None = None,
+    free: FreeDofs,
 ) -> NDArray[np.float64]:
-    """``||K phi - w2 M phi|| / (w2 ||M phi||)`` of each column of shapes (3n, nf), over `free` rows."""
-    rows = slice(None) if free is None else free
+    """``||K phi - w2 M phi|| / (w2 ||M phi||)`` of each column of shapes (N, nf), over free degrees of freedom."""
     result = np.empty(len(eigenvalues))
     for first in range(0, len(eigenvalues), BLOCK):
         part = slice(first, first + BLOCK)
-        inertia = (apply_mass(model.mass, shapes[:, part]) * eigenvalues[part])[rows]
-        force = (model.stiffness @ shapes[:, part])[rows]
+        inertia = free.gathered(apply_mass(model.mass, shapes[:, part]) * eigenvalues[part])[free.unknowns]
+        force = free.gathered(model.stiffness @ shapes[:, part])[free.unknowns]
         scale = np.maximum(np.linalg.norm(inertia, axis=0), np.finfo(float).tiny)
         result[part] = np.linalg.norm(force - inertia, axis=0) / scale
     return result
 
 
 def orthogonality_error(model: FEModel, shapes: NDArray[np.float64]) -> float:
-    """``max |Phi^T M Phi - 1|`` of shapes (3n, nf)."""
+    """``max |Phi^T M Phi - 1|`` of shapes (N, nf)."""
     gram = shapes.T @ apply_mass(model.mass, shapes)
     return float(np.abs(gram - np.eye(len(gram))).max(initial=0.0))
 
 
 def signed(shapes: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Shapes (3n, nf) with the component of largest magnitude positive; the first of nearly equal ones."""
+    """Shapes (N, nf) with the component of largest magnitude positive; the first of nearly equal ones."""
     magnitude = np.abs(shapes)
     # symmetric bodies have several largest components: rounding must not choose between them
     first = np.argmax(magnitude >= (1.0 - 1e-6) * magnitude.max(axis=0), axis=0)
@@ -208,11 +223,13 @@ def signed(shapes: NDArray[np.float64]) -> NDArray[np.float64]:
     return shapes * np.where(signs == 0.0, 1.0, signs)
 
 
-def _iterative(body: Flexibility, count: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Eigenvalues and mass-normalised shapes (3n, count) by block Lanczos."""
+def _iterative(
+    body: Flexibility, count: int, highest: float | None
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Eigenvalues and mass-normalised shapes (N, count) by block Lanczos."""
     mass = body.model.mass
     generator = np.random.default_rng(20140623)
-    loads = np.zeros((3 * body.model.node_count, BLOCK))
+    loads = np.zeros((body.model.dof_count, BLOCK))
     loads[body.unknowns] = generator.standard_normal((len(body.unknowns), BLOCK))
     # one solve makes the random loads smooth, two suppress what the lowest modes do not need
     start = body.solve(apply_mass(mass, body.solve(loads)))
@@ -223,10 +240,11 @@ def _iterative(body: Flexibility, count: int) -> tuple[NDArray[np.float64], NDAr
         count,
         tolerance=_KRYLOV_TOLERANCE,
         limit=min(len(body.unknowns), 6 * count + 30 * BLOCK),
+        down_to=0.0 if highest is None else 1.0 / highest,
     )
     if not pairs.converged or np.any(pairs.values <= 0.0):
         raise ModesNotConvergedError(
-            f"{count} modes did not converge in a Krylov space of {pairs.dimension} vectors",
+            f"{len(pairs.values)} modes did not converge in a Krylov space of {pairs.dimension} vectors",
             pairs.errors,
             np.nan,
         )
@@ -234,20 +252,18 @@ def _iterative(body: Flexibility, count: int) -> tuple[NDArray[np.float64], NDAr
     return 1.0 / pairs.values, pairs.vectors
 
 
-def _dense(body: Flexibility, count: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _dense(
+    body: Flexibility, count: int, highest: float | None
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """The same by the dense solver, on the complement of the rigid motions."""
     from scipy.linalg import eigh, qr
 
     model, free = body.model, body.unknowns
-    K = model.stiffness[free][:, free].toarray()
-    M = np.zeros_like(K)
-    nodes, axes = np.divmod(free, 3)
-    for k in range(3):
-        along = np.flatnonzero(axes == k)
-        M[np.ix_(along, along)] = model.mass[nodes[along]][:, nodes[along]].toarray()
+    K = body.dofs.condensed(model.stiffness)[free][:, free].toarray()
+    M = body.dofs.condensed(model.full_mass())[free][:, free].toarray()
     complement = np.eye(len(free))
     if body.rigid_count:
-        inertia = apply_mass(model.mass, body.rigid)[free]
+        inertia = body.dofs.gathered(apply_mass(model.mass, body.rigid))[free]
         complement = qr(inertia)[0][:, body.rigid_count :]  # no momentum: x^T M R = 0
         K, M = complement.T @ K @ complement, complement.T @ M @ complement
     # M x = mu K x: the mass may be singular (massless nodes), the stiffness is not
@@ -255,6 +271,9 @@ def _dense(body: Flexibility, count: int) -> tuple[NDArray[np.float64], NDArray[
     mu, x = eigh(M, 0.5 * (K + K.T), subset_by_index=[size - count, size - 1])
     mu, x = mu[::-1], x[:, ::-1]
     massive = int(np.count_nonzero(mu > 1e-15 * mu[0]))
+    if highest is not None:
+        count = min(massive, count)
+        mu, x = mu[:count], x[:, :count]
     if massive < count:
         raise InputError(
             f"{count} modes requested",
@@ -262,6 +281,6 @@ def _dense(body: Flexibility, count: int) -> tuple[NDArray[np.float64], NDArray[
             key="modes",
             expected=f"at most {massive}, the number of degrees of freedom that have mass",
         )
-    shapes = np.zeros((3 * model.node_count, count))
+    shapes = np.zeros((model.dof_count, count))
     shapes[free] = complement @ (x / np.sqrt(mu))
-    return 1.0 / mu, shapes
+    return 1.0 / mu, body.dofs.expanded(shapes)

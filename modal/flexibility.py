@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from heavylift.modal.constraints import following, free_dofs
 from heavylift.modal.factor import NotPositiveDefiniteError, factorise
 from heavylift.numerics.outcome import InputError
 
@@ -28,19 +29,23 @@ __all__ = ["Flexibility", "apply_mass", "held_dofs", "held_nodes", "rigid_basis"
 _RIGID_ENERGY = 1e-10  # of that of the stiffest node moving alone: below it a motion stores no energy
 
 
-def rigid_motions(nodes: NDArray[np.float64]) -> NDArray[np.float64]:
+def rigid_motions(
+    nodes: NDArray[np.float64], rotating: NDArray[np.int64] | None = None
+) -> NDArray[np.float64]:
     """Three translations and three small rotations about the mean of the nodes.
 
     Parameters
     ----------
     nodes
         Positions [m], shape (n, 3).
+    rotating
+        Nodes that have rotations.
 
     Returns
     -------
     NDArray
-        Displacements, node-major, shape (3n, 6); rotations scaled by the size of the body, so that
-        all columns are of the same order.
+        Displacements, node-major, and the rotations of the nodes that have some, shape (N, 6); rotations
+        scaled by the size of the body, so that all columns are of the same order.
     """
     n = len(nodes)
     r = nodes - nodes.mean(axis=0)
@@ -50,12 +55,21 @@ def rigid_motions(nodes: NDArray[np.float64]) -> NDArray[np.float64]:
     motions[:, [0, 1, 2], [0, 1, 2]] = 1.0
     for k in range(3):
         motions[:, :, 3 + k] = np.cross(np.eye(3)[k], r)
-    return motions.reshape(3 * n, 6)
+    if rotating is None or not len(rotating):
+        return motions.reshape(3 * n, 6)
+    turns = np.zeros((len(rotating), 3, 6))
+    turns[:, [0, 1, 2], [3, 4, 5]] = 1.0 / (size or 1.0)
+    return np.concatenate([motions.reshape(3 * n, 6), turns.reshape(-1, 6)])
 
 
 def apply_mass(mass: sparray | spmatrix, vectors: NDArray[np.float64]) -> NDArray[np.float64]:
-    """``kron(M_s, I3) @ vectors`` without forming the product matrix; vectors (3n,) or (3n, m)."""
+    """Mass matrix of all degrees of freedom times vectors (N,) or (N, m).
+
+    Of a scalar mass matrix (n, n) this is ``kron(M_s, I3) @ vectors`` without forming the product matrix.
+    """
     n = mass.shape[0]
+    if n == len(vectors):
+        return np.asarray(mass @ vectors)
     return np.asarray(mass @ vectors.reshape(n, -1)).reshape(vectors.shape)
 
 
@@ -75,7 +89,7 @@ def held_nodes(model: FEModel, fixed_nodes: Sequence[int] | NDArray[np.int64]) -
 
 def held_dofs(model: FEModel, fixed_nodes: Sequence[int] | NDArray[np.int64]) -> NDArray[np.int64]:
     """Sorted degrees of freedom that do not move: all of clamped nodes, and those that the model holds one by one."""
-    of_nodes = (3 * held_nodes(model, fixed_nodes)[:, None] + np.arange(3)).ravel()
+    of_nodes = model.node_dofs(held_nodes(model, fixed_nodes))
     return np.union1d(of_nodes, model.fixed_dofs).astype(np.int64)
 
 
@@ -96,16 +110,20 @@ def rigid_basis(
     Returns
     -------
     NDArray
-        Shape (3n, r) [kg^-1/2], r = 0 ... 6.
+        Shape (N, r) [kg^-1/2], r = 0 ... 6.
 
     Raises
     ------
     InputError
         If a rigid motion moves no mass.
     """
-    motions = rigid_motions(model.nodes)
-    if held.size:
-        _, singular, right = np.linalg.svd(motions[held], full_matrices=held.size < 6)
+    motions = rigid_motions(model.nodes, model.rotating)
+    resisted = motions[held]
+    expansion = following(model)
+    if expansion is not None:  # nodes that are tied at a distance do not turn with the body
+        resisted = np.concatenate([resisted, motions - expansion @ motions])
+    if resisted.size:
+        _, singular, right = np.linalg.svd(resisted, full_matrices=len(resisted) < 6)
         stopped = np.zeros(6, dtype=bool)
         stopped[: len(singular)] = singular > 1e-9 * max(singular[0], 1.0)
         motions = motions @ right[~stopped].T
@@ -144,12 +162,10 @@ class Flexibility:
 
     Attributes
     ----------
-    fixed
-        All nodes that are held in every direction, sorted.
-    unknowns
-        Indices of the degrees of freedom that are not held, shape (N,).
+    dofs
+        What is neither held nor follows others.
     rigid
-        Rigid motions that are left, mass-orthonormal [kg^-1/2], shape (3n, r); r = 6 for a free body,
+        Rigid motions that are left, mass-orthonormal [kg^-1/2], shape (N, r); r = 6 for a free body,
         0 for a supported one, 1 if only a hinge axis is held.
 
     Raises
@@ -174,33 +190,40 @@ class Flexibility:
         backend: str = "auto",
     ) -> None:
         self.model = model
-        held = np.zeros((model.node_count, 3), dtype=bool)
-        held.ravel()[held_dofs(model, fixed_nodes)] = True
-        self.fixed = np.flatnonzero(held.all(axis=1))
-        self.free_nodes = np.flatnonzero(~held.all(axis=1))
-        if not self.free_nodes.size:
+        held = held_dofs(model, fixed_nodes)
+        self.dofs = free_dofs(model, held)
+        moving = np.zeros(model.dof_count, dtype=bool)
+        moving[self.dofs.unknowns] = True
+        # whole triples are factorised: displacements of a node, or its rotations
+        triples = np.flatnonzero(moving.reshape(-1, 3).any(axis=1))
+        if not triples.size:
             raise InputError(
                 f"all {model.node_count} nodes are clamped",
                 source=model.name or "finite element model",
                 key="fixed_nodes",
                 expected="at least one free node",
             )
-        self.unknowns = np.flatnonzero(~held.ravel())
-        # whole nodes are factorised; directions of theirs that are held stay in the matrix without coupling
-        self._rows = (3 * self.free_nodes[:, None] + np.arange(3)).ravel()
-        self._held = np.flatnonzero(held.ravel()[self._rows])
-        self.rigid = rigid_basis(model, np.flatnonzero(held.ravel()), stored_energy=True)
+        # directions of theirs that do not move by themselves stay in the matrix without coupling
+        self._rows = (3 * triples[:, None] + np.arange(3)).ravel()
+        self._held = np.flatnonzero(~moving[self._rows])
+        self.rigid = rigid_basis(model, held, stored_energy=True)
         self._rigid_inertia = apply_mass(model.mass, self.rigid)
         stiffness = self._held_stiffness()
+        places = model.dof_nodes[3 * triples]
         try:
-            self.factor = factorise(stiffness, backend=backend, coordinates=model.nodes[self.free_nodes])
+            self.factor = factorise(stiffness, backend=backend, coordinates=model.nodes[places])
         except NotPositiveDefiniteError as error:
             raise InputError(
-                f"the stiffness of {len(self.free_nodes)} free nodes is not positive definite ({error})",
+                f"the stiffness of {len(np.unique(places))} free nodes is not positive definite ({error})",
                 source=model.name or "finite element model",
                 key="stiffness",
                 expected="one connected body without mechanisms: only rigid motions cost no energy",
             ) from error
+
+    @property
+    def unknowns(self) -> NDArray[np.int64]:
+        """Degrees of freedom that are neither held nor follow others, sorted."""
+        return self.dofs.unknowns
 
     @property
     def rigid_count(self) -> int:
@@ -208,12 +231,12 @@ class Flexibility:
         return self.rigid.shape[1]
 
     def solve(self, forces: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Displacements [m] from forces [N], both (3n,) or (3n, m); zero at clamped nodes."""
-        loads = self.equilibrated(np.asarray(forces, dtype=np.float64))[self._rows]
+        """Displacements [m, rad] from forces [N, N m], both (N,) or (N, m); zero at clamped nodes."""
+        loads = self.dofs.gathered(self.equilibrated(np.asarray(forces, dtype=np.float64)))[self._rows]
         loads[self._pinned] = 0.0  # where nothing is held rounding only: the loads are in equilibrium
         result = np.zeros(np.shape(forces))
         result[self._rows] = self.factor.solve(loads)
-        return self.without_rigid(result)
+        return self.without_rigid(self.dofs.expanded(result))
 
     def equilibrated(self, forces: NDArray[np.float64]) -> NDArray[np.float64]:
         """Forces minus the inertia forces of the rigid acceleration they cause; a copy."""
@@ -232,12 +255,14 @@ class Flexibility:
         from scipy.linalg import qr
         from scipy.sparse import csr_array
 
-        stiffness = csr_array(self.model.stiffness)
-        if self.fixed.size:
+        stiffness = self.dofs.condensed(self.model.stiffness)
+        if len(self._rows) < self.model.dof_count:
             stiffness = stiffness[self._rows][:, self._rows]
         self._pinned = self._held
         if self.rigid_count:
-            pivots = qr(self.rigid[self._rows].T, mode="r", pivoting=True)[1]
+            motions = self.rigid[self._rows]
+            motions[self._held] = 0.0
+            pivots = qr(motions.T, mode="r", pivoting=True)[1]
             self._pinned = np.union1d(self._held, pivots[: self.rigid_count]).astype(np.int64)
         if self._pinned.size:
             held = np.zeros(len(self._rows), dtype=bool)

@@ -53,6 +53,7 @@ def block_lanczos(
     *,
     tolerance: float,
     limit: int,
+    down_to: float = 0.0,
 ) -> RitzPairs:
     """Largest eigenpairs of an operator A that is self-adjoint in the inner product of M.
 
@@ -68,6 +69,8 @@ def block_lanczos(
         For ``||A x - theta x||_M / theta``; errors of eigenvalues are of its square.
     limit
         Largest dimension of the Krylov space.
+    down_to
+        Only eigenvalues no smaller than this, and the next one, which shows that there are no more.
 
     Notes
     -----
@@ -79,7 +82,7 @@ def block_lanczos(
     basis: list[NDArray[np.float64]] = []
     weighted: list[NDArray[np.float64]] = []  # M times the basis
     projected = np.zeros((0, 0))
-    next_check = count
+    next_check = count if down_to == 0.0 else min(count, 4 * start.shape[1])
     block, block_mass, _ = _new_block(start, mass, basis, weighted)
     while True:
         basis.append(block)
@@ -101,11 +104,14 @@ def block_lanczos(
         exhausted = block.shape[1] == 0 or size + block.shape[1] > limit
         if size < next_check and not exhausted:
             continue
-        next_check = int(1.05 * size) + 1  # the small eigenproblem costs the cube of its size
+        next_check = (
+            int((1.05 if down_to == 0.0 else 1.2) * size) + 1
+        )  # the small eigenproblem costs the cube of its size
         values, small = np.linalg.eigh(projected)
-        values, small = values[::-1][:count], small[:, ::-1][:, :count]
+        wanted = min(count, int(np.count_nonzero(values >= down_to)) + 1)
+        values, small = values[::-1][:wanted], small[:, ::-1][:, :wanted]
         errors = np.linalg.norm(coupling @ small[-width:], axis=0) / np.maximum(np.abs(values), 1e-300)
-        converged = len(values) == count and bool(np.all(errors <= tolerance))
+        converged = len(values) == wanted and bool(np.all(errors <= tolerance))
         if converged or exhausted:
             vectors = np.zeros((len(start), len(values)))
             row = 0

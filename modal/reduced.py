@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from heavylift.modal.place_rotation import place_rotation
 from heavylift.numerics.outcome import InputError
 from heavylift.preprocess.finite_elements.mesh import BESIDE, find_place
 
@@ -15,14 +16,18 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from heavylift.modal.invariants import ShapeIntegrals
+    from heavylift.modal.stiffening import Stiffening
     from heavylift.preprocess.finite_elements.mesh import Mesh
     from heavylift.preprocess.structures.structure import Structure
 
-__all__ = ["EIGENMODE_RESIDUAL", "Interface", "ReducedBody", "check_orthonormal"]
+__all__ = ["EIGENMODE_RESIDUAL", "SAME_PLACE", "Interface", "PlaceMotion", "ReducedBody", "check_orthonormal"]
 
 EIGENMODE_RESIDUAL = 1e-3
 """A vector with a smaller relative residual is an eigenmode of the full model."""
 
+
+SAME_PLACE = 1e-6
+"""Of the size of the body: how far a point may be from the reference point of an interface that it means."""
 
 TURNED = 1e-3
 """Of the largest rotation that a mode could make: its largest displacement over the size of the body."""
@@ -32,7 +37,6 @@ LARGE_DEFLECTION = 0.1
 
 _WEIGHTLESS = 1e-9  # shape function of a node that a place does not feel
 _STILL = 1e-9  # of the largest displacement: of a node that is held
-_NEIGHBOURS = 27  # nodes around a place, of a body without elements: those of a block of eight bricks
 
 LARGEST_DEVIATION = 1e-6
 """Of the modal mass from the identity: what the equations of motion take for granted."""
@@ -88,6 +92,9 @@ class Interface:
         displacement and rotation of the place as a mean of those of the nodes.
     moments
         The same for the moments on the nodes, shape (m, 3, 6); zeros where nodes have no rotations.
+    captured
+        Smallest share of the static compliance of its six directions that the modes have; not a number if it was
+        never compared with the full model.
     """
 
     point: NDArray[np.float64]
@@ -96,6 +103,26 @@ class Interface:
     nodes: NDArray[np.int64]
     forces: NDArray[np.float64]
     moments: NDArray[np.float64]
+    captured: float = float("nan")
+
+
+class PlaceMotion(NamedTuple):
+    """How modes move and turn a place of a body.
+
+    Attributes
+    ----------
+    point
+        Undeformed, in the body frame [m], shape (3,).
+    displacement
+        Per unit modal coordinate [kg^-1/2], shape (nf, 3).
+    rotation
+        Relative to the frame, per unit modal coordinate [rad kg^-1/2 m^-1], shape (nf, 3); None if modes do not turn
+        the place.
+    """
+
+    point: NDArray[np.float64]
+    displacement: NDArray[np.float64]
+    rotation: NDArray[np.float64] | None
 
 
 @dataclass(frozen=True, eq=False)
@@ -139,6 +166,8 @@ class ReducedBody:
         Sorted nodes that have rotations.
     interfaces
         Places that others are attached to, by name.
+    stiffening
+        What loads along the body do to the stiffness of its modes; None: nothing, as in linear theory.
 
     Raises
     ------
@@ -161,6 +190,7 @@ class ReducedBody:
     mode_rotations: NDArray[np.float64] | None = None
     rotating: NDArray[np.int64] = field(default_factory=lambda: np.empty(0, dtype=np.int64))
     interfaces: dict[str, Interface] = field(default_factory=dict)
+    stiffening: Stiffening | None = None
 
     def __post_init__(self) -> None:
         n, nf = len(self.nodes), len(self.eigenvalues)
@@ -192,6 +222,11 @@ class ReducedBody:
                 expected=f"{n}, those of the body",
             )
         check_orthonormal(self.orthogonality, self.eigenvalues)
+
+    @property
+    def elements(self) -> Mesh | Structure | None:
+        """What is between the nodes; None if that is not known."""
+        return self.mesh if self.mesh is not None else self.structure
 
     @property
     def mode_count(self) -> int:
@@ -238,44 +273,128 @@ class ReducedBody:
         Of a body of loose points the nearest one is taken, however far it is.
         """
         within = within if self.continuum else np.inf
-        return find_place(self.nodes, self.mesh, point, source=source, key=key, origin=origin, within=within)
+        return find_place(
+            self.nodes, self.elements, point, source=source, key=key, origin=origin, within=within
+        )
 
     def shapes_at(self, nodes: NDArray[np.int64], weights: NDArray[np.float64]) -> NDArray[np.float64]:
         """Displacement of a place per unit modal coordinate [kg^-1/2], shape (nf, 3)."""
         return np.einsum("a,mak->mk", weights, self.mode_shapes[:, nodes])
+
+    def interface_at(self, place: ArrayLike | str) -> Interface | None:
+        """The interface of a name, or the one whose reference point [m] a point is; None if there is none there.
+
+        Raises
+        ------
+        InputError
+            If no interface has the name.
+        """
+        if isinstance(place, str):
+            if place not in self.interfaces:
+                raise InputError(
+                    f"no interface is called {place!r}",
+                    source="reduced body",
+                    expected=f"one of {', '.join(sorted(self.interfaces)) or 'none: it has no interfaces'}",
+                )
+            return self.interfaces[place]
+        point = np.asarray(place, dtype=np.float64)
+        near = SAME_PLACE * self.size if self.interfaces else 0.0
+        beside = (one for one in self.interfaces.values() if np.linalg.norm(one.point - point) <= near)
+        return next(beside, None)
+
+    def point_at(
+        self,
+        place: ArrayLike | str,
+        *,
+        source: object = "reduced body",
+        key: str = "point",
+        origin: ArrayLike = (0.0, 0.0, 0.0),
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Undeformed point [m], and displacement per unit modal coordinate, of a place; see `motion_at`."""
+        return self._displaced(self._found(place, source, key, origin))
+
+    def motion_at(
+        self,
+        place: ArrayLike | str,
+        *,
+        source: object = "reduced body",
+        key: str = "point",
+        origin: ArrayLike = (0.0, 0.0, 0.0),
+    ) -> PlaceMotion:
+        """How modes move and turn a place: an interface by its name or its reference point, or any point of the mesh.
+
+        Parameters
+        ----------
+        place
+            Name of an interface, or a point in the body frame [m].
+        source, key, origin
+            For messages, as of `find_place`.
+
+        Raises
+        ------
+        InputError
+            If there is no such interface, or the point is not of the body.
+        """
+        found = self._found(place, source, key, origin)
+        rotation = found.rotation if isinstance(found, Interface) else self.turn_at(*found)
+        return PlaceMotion(*self._displaced(found), rotation if self.turns(rotation) else None)
+
+    def _found(
+        self, place: ArrayLike | str, source: object, key: str, origin: ArrayLike
+    ) -> Interface | tuple[NDArray[np.int64], NDArray[np.float64]]:
+        """The interface at a place, or its nodes and weights."""
+        interface = self.interface_at(place)
+        if interface is not None:
+            return interface
+        return self.locate(place, source=source, key=key, origin=origin)
+
+    def _displaced(
+        self, found: Interface | tuple[NDArray[np.int64], NDArray[np.float64]]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Undeformed point, and displacement, of what `_found` finds."""
+        if isinstance(found, Interface):
+            return found.point, found.displacement
+        nodes, weights = found
+        return weights @ self.nodes[nodes], self.shapes_at(nodes, weights)
 
     def turn_at(self, nodes: NDArray[np.int64], weights: NDArray[np.float64]) -> NDArray[np.float64]:
         """Rotation of a place relative to the frame, per unit modal coordinate [rad kg^-1/2 m^-1], shape (nf, 3).
 
         Notes
         -----
-        Of the rigid motion that fits the displacements of the nodes around in the sense of least squares; none where
-        the nodes at the place and three around it that are not on one line stand still. The nodes around are those of
-        the elements at the place, or the nearest ones if elements are not known.
+        That of the nodes, where all of them have rotations. Else that of the rigid motion that fits the displacements
+        of the nodes around (`place_rotation`); none where the nodes at the place and three around it that are not on
+        one line stand still.
         """
         at = nodes[np.abs(weights) > _WEIGHTLESS]
-        around = self._around(at, weights @ self.nodes[nodes])
+        if self.mode_rotations is not None and np.isin(at, self.rotating).all():
+            return np.einsum("a,mak->mk", weights, self.mode_rotations[:, nodes])
+        around, turning = place_rotation(self.nodes, self.elements, at, weights @ self.nodes[nodes])
         held = around[self._stands(around)]
         if (
             self._stands(at).all()
             and np.linalg.matrix_rank(_centred(self.nodes[held]), tol=1e-6 * self.size) >= 2
         ):
             return np.zeros((self.mode_count, 3))
-        arms = _centred(self.nodes[around])
-        moved = self.mode_shapes[:, around] - self.mode_shapes[:, around].mean(axis=1, keepdims=True)
-        moments = np.cross(arms, moved).sum(axis=1)
-        second = arms.T @ arms
-        inertia = np.trace(second) * np.eye(3) - second
-        return moments @ np.linalg.pinv(inertia, rcond=1e-9, hermitian=True)
+        return np.einsum("akl,mal->mk", turning, self.mode_shapes[:, around])
 
-    def turns(self, nodes: NDArray[np.int64], weights: NDArray[np.float64], direction: ArrayLike) -> bool:
-        """Whether modes turn a unit direction at a place, by more than a thousandth of what they would at most.
+    def turns(self, rotation: NDArray[np.float64], direction: ArrayLike | None = None) -> bool:
+        """Whether modes turn a place, or a unit direction there, by more than a thousandth of what they would at most.
 
-        That is the largest displacement of a mode over the size of the body.
+        That is the largest displacement of a mode over the size of the body. A body of loose points has no directions
+        but those of its frame.
+
+        Parameters
+        ----------
+        rotation
+            Of the place, shape (nf, 3).
+        direction
+            In the body frame; any if None.
         """
         if not self.continuum or not self.mode_count:
             return False
-        turned = np.linalg.norm(np.cross(self.turn_at(nodes, weights), np.asarray(direction)), axis=1)
+        moved = rotation if direction is None else np.cross(rotation, np.asarray(direction))
+        turned = np.linalg.norm(moved, axis=1)
         largest = np.linalg.norm(self.mode_shapes, axis=2).max(axis=1)
         return bool(np.any(turned * self.size > TURNED * largest))
 
@@ -295,14 +414,6 @@ class ReducedBody:
     def size(self) -> float:
         """Largest extent of the body [m]."""
         return float(np.ptp(self.nodes, axis=0).max())
-
-    def _around(self, at: NDArray[np.int64], place: NDArray[np.float64]) -> NDArray[np.int64]:
-        """Nodes around a place, with those at it."""
-        if self.mesh is None:
-            distances = np.sum((self.nodes - place) ** 2, axis=1)
-            return np.argsort(distances, kind="stable")[:_NEIGHBOURS]
-        touching = np.isin(self.mesh.elements, at).any(axis=1)
-        return np.unique(self.mesh.elements[touching])
 
 
 def _centred(points: NDArray[np.float64]) -> NDArray[np.float64]:

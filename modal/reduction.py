@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from heavylift.modal.constraints import free_dofs
 from heavylift.modal.eigen import orthogonality_error, signed
 from heavylift.modal.flexibility import apply_mass, held_dofs, rigid_basis
 from heavylift.modal.invariants import shape_integrals
@@ -22,6 +23,8 @@ if TYPE_CHECKING:
 
     from numpy.typing import ArrayLike, NDArray
 
+    from heavylift.modal.constraints import FreeDofs
+    from heavylift.modal.invariants import ShapeIntegrals
     from heavylift.preprocess.finite_elements.model import FEModel
 
 __all__ = ["Ritz", "mean_axis", "reduce_body", "ritz_vectors"]
@@ -52,7 +55,7 @@ class Ritz(NamedTuple):
     eigenvalues
         Ritz values [rad^2/s^2], ascending, shape (nf,).
     shapes
-        Mass-orthonormal [kg^-1/2], shape (3n, nf), with diagonal stiffness.
+        Mass-orthonormal [kg^-1/2], shape (N, nf), with diagonal stiffness.
     labels
         Name of the given vector that each Ritz vector equals but for a little; each name once. A
         vector that mixes several is ``"Ritz vector 7"``, by its number from 1.
@@ -70,7 +73,7 @@ class Ritz(NamedTuple):
 
 
 def mean_axis(model: FEModel, vectors: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Vectors (3n, nv) minus their mass-weighted rigid part: no linear or angular momentum is left.
+    """Vectors (N, nv) minus their mass-weighted rigid part: no linear or angular momentum is left.
 
     For small deformation this is only another choice of the body frame, which now follows the mean
     motion of the body instead of its support; strains are the same. Such shapes leave
@@ -94,7 +97,7 @@ def ritz_vectors(
     model
         Finite element model.
     vectors
-        Displacements, node-major, shape (3n, nv), zero at clamped nodes.
+        Displacements, node-major, shape (N, nv), zero at clamped nodes.
     labels
         One name a vector.
     fixed_nodes
@@ -116,12 +119,12 @@ def ritz_vectors(
     V = np.array(vectors, dtype=np.float64)
     held = held_dofs(model, fixed_nodes)
     source = model.name or "finite element model"
-    if V.ndim != 2 or V.shape != (3 * model.node_count, len(labels)) or not np.all(np.isfinite(V)):
+    if V.ndim != 2 or V.shape != (model.dof_count, len(labels)) or not np.all(np.isfinite(V)):
         raise InputError(
             f"vectors of shape {V.shape} with {len(labels)} labels",
             source=source,
             key="basis",
-            expected=f"finite numbers of shape ({3 * model.node_count}, number of labels)",
+            expected=f"finite numbers of shape ({model.dof_count}, number of labels)",
         )
     if np.abs(V[held]).max(initial=0.0) > 1e-9 * np.abs(V).max(initial=0.0):
         raise InputError(
@@ -160,7 +163,7 @@ def ritz_vectors(
         shapes,
         _matched(given @ total / np.sqrt(np.diag(given))[:, None].clip(_DEPENDENT), values, kept, labels),
         tuple(dropped),
-        _residuals(model, values, V, shapes, held),
+        _residuals(model, values, V, shapes, free_dofs(model, held)),
     )
 
 
@@ -194,22 +197,49 @@ def reduce_body(
             f"origin {origin!r}", source=model.name, key="origin", expected="three finite coordinates [m]"
         )
     ritz = ritz_vectors(model, vectors, labels, fixed_nodes=fixed_nodes, mean_axis=mean_axis)
-    nodes = model.nodes - shift
+    nodes, count = model.nodes - shift, 3 * model.node_count
     orthogonality = orthogonality_error(model, ritz.shapes)
     check_orthonormal(orthogonality, ritz.eigenvalues, model.name or "finite element model")
-    shapes = np.ascontiguousarray(ritz.shapes.T).reshape(len(ritz.eigenvalues), model.node_count, 3)
+    shapes = np.ascontiguousarray(ritz.shapes[:count].T).reshape(len(ritz.eigenvalues), model.node_count, 3)
+    rotations = None
+    if model.rotating.size:
+        rotations = np.zeros_like(shapes)
+        rotations[:, model.rotating] = ritz.shapes[count:].T.reshape(len(shapes), -1, 3)
     return ReducedBody(
         nodes=nodes,
         eigenvalues=ritz.eigenvalues,
         mode_shapes=shapes,
-        integrals=shape_integrals(nodes, shapes, model.mass),
+        integrals=_integrals(model, ritz.shapes, shift, shapes),
         mean_axis=mean_axis,
         labels=ritz.labels,
         residuals=ritz.residuals,
         orthogonality=orthogonality,
         dropped=ritz.dropped,
         mesh=None if model.mesh is None else replace(model.mesh, nodes=nodes, node_groups={}),
+        structure=None if model.structure is None else replace(model.structure, nodes=nodes),
+        mode_rotations=rotations,
+        rotating=model.rotating,
     )
+
+
+def _integrals(
+    model: FEModel, vectors: NDArray[np.float64], shift: NDArray[np.float64], shapes: NDArray[np.float64]
+) -> ShapeIntegrals:
+    """Shape integrals about a shifted origin: over the nodes, or over the points that have mass."""
+    from scipy.sparse import diags_array
+
+    points = model.points
+    if points is None:
+        return shape_integrals(model.nodes - shift, shapes, model.mass)
+    moved = np.ascontiguousarray((points.operator @ vectors).T).reshape(len(shapes), -1, 3)
+    return shape_integrals(points.positions - shift, moved, diags_array(points.masses).tocsr())
+
+
+def _of_unknowns(free: FreeDofs, vectors: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Forces on the unknowns, zero elsewhere, shape (N, m)."""
+    result = np.zeros_like(vectors)
+    result[free.unknowns] = free.gathered(vectors)[free.unknowns]
+    return result
 
 
 def _without(vectors: NDArray[np.float64], rigid: NDArray[np.float64], model: FEModel) -> NDArray[np.float64]:
@@ -323,7 +353,7 @@ def _residuals(
     values: NDArray[np.float64],
     V: NDArray[np.float64],
     shapes: NDArray[np.float64],
-    fixed_rows: NDArray[np.int64],
+    free: FreeDofs,
 ) -> NDArray[np.float64]:
     """Relative residuals; elastic forces from the vectors as given, inertia from the final shapes."""
     result = np.empty(len(values))
@@ -331,8 +361,7 @@ def _residuals(
         part = slice(first, first + _CHUNK)
         force = model.stiffness @ V[:, part]
         inertia = apply_mass(model.mass, shapes[:, part]) * values[part]
-        force[fixed_rows] = 0.0
-        inertia[fixed_rows] = 0.0
+        force, inertia = (_of_unknowns(free, vectors) for vectors in (force, inertia))
         scale = np.maximum(np.linalg.norm(inertia, axis=0), np.finfo(float).tiny)
         result[part] = np.linalg.norm(force - inertia, axis=0) / scale
     return result

@@ -38,12 +38,18 @@ class StaticState(NamedTuple):
         Resultant of the forces of all supports on the body [N], shape (3,): minus that of the loads.
     residual
         Largest force that is left at a free degree of freedom, by the largest nodal force or reaction.
+    rotations
+        Of all nodes [rad], shape (n, 3), zero for nodes that have none; None if no node has any.
+    buckling_factor
+        By which the load may grow until the body buckles; None if it was not asked for.
     """
 
     name: str
     displacements: NDArray[np.float64]
     reaction: NDArray[np.float64]
     residual: float
+    rotations: NDArray[np.float64] | None = None
+    buckling_factor: float | None = None
 
 
 def face_area(model: FEModel, faces: NDArray[np.int64]) -> float:
@@ -55,7 +61,7 @@ def face_area(model: FEModel, faces: NDArray[np.int64]) -> float:
 def face_forces(
     model: FEModel, faces: NDArray[np.int64], *, pressure: float = 0.0, traction: ArrayLike = (0.0, 0.0, 0.0)
 ) -> NDArray[np.float64]:
-    """Consistent nodal forces ``integral of N_i (t - p n) dA`` [N], node-major, shape (3n,).
+    """Consistent nodal forces ``integral of N_i (t - p n) dA`` [N], node-major, shape (N,).
 
     Parameters
     ----------
@@ -71,9 +77,9 @@ def face_forces(
     N, normals, weights = _normals(model, faces)
     lengths = np.linalg.norm(normals, axis=2, keepdims=True)
     density = weights[:, np.newaxis] * (lengths * np.asarray(traction, dtype=np.float64) - pressure * normals)
-    forces = np.zeros((model.node_count, 3))
-    np.add.at(forces, faces, np.einsum("qa,fqk->fak", N, density))
-    return forces.ravel()
+    forces = np.zeros(model.dof_count)
+    np.add.at(forces[: 3 * model.node_count].reshape(-1, 3), faces, np.einsum("qa,fqk->fak", N, density))
+    return forces
 
 
 def _normals(
@@ -87,7 +93,7 @@ def _normals(
 
 @one_blas_thread
 def solve_static(flexibility: Flexibility, forces: NDArray[np.float64], name: str) -> StaticState:
-    """Equilibrium under nodal forces [N], node-major, shape (3n,).
+    """Equilibrium under nodal forces [N, N m], node-major, shape (N,).
 
     Raises
     ------
@@ -109,7 +115,8 @@ def solve_static(flexibility: Flexibility, forces: NDArray[np.float64], name: st
             )
     u = flexibility.solve(forces)
     u += flexibility.solve(forces - model.stiffness @ u)
-    rest = model.stiffness @ u - forces
+    unbalanced = model.stiffness @ u - forces
+    rest = flexibility.dofs.gathered(unbalanced)
     held = np.ones(len(rest), dtype=bool)
     held[flexibility.unknowns] = False
     scale = max(float(np.abs(forces).max(initial=0.0)), float(np.abs(rest).max()), np.finfo(float).tiny)
@@ -121,5 +128,14 @@ def solve_static(flexibility: Flexibility, forces: NDArray[np.float64], name: st
             key=name,
             expected="supports without mechanisms, elements that are not far too thin",
         )
-    reaction = np.where(held, rest, 0.0).reshape(-1, 3).sum(axis=0)
-    return StaticState(name, u.reshape(-1, 3), reaction, residual)
+    if (
+        model.constraint is not None
+    ):  # what follows bears forces of supports too, and of what it follows, in balance
+        held[:] = True
+    count = 3 * model.node_count
+    reaction = np.where(held, unbalanced, 0.0)[:count].reshape(-1, 3).sum(axis=0)
+    rotations = None
+    if model.rotating.size:
+        rotations = np.zeros((model.node_count, 3))
+        rotations[model.rotating] = u[count:].reshape(-1, 3)
+    return StaticState(name, u[:count].reshape(-1, 3), reaction, residual, rotations)

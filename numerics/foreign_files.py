@@ -35,15 +35,12 @@ FOREIGN = {
     ),
     (".ifc",): ("a building model", "IfcConvert (IfcOpenShell) writes STEP or .obj"),
     # meshes and decks
-    (".cdb", ".rst", ".db", ".mechdat"): (
-        "ANSYS",
-        "`ansys-mapdl-reader` (archive, then save_as_vtk) writes .vtu of a .cdb; Mechanical saves .inp or .bdf",
-    ),
+    (".rst", ".db", ".mechdat"): ("ANSYS", "CDWRITE writes an archive (.cdb) that is read"),
     (".odb", ".cae", ".fil", ".sim"): ("Abaqus", "the deck of the job (.inp) is read"),
     (".frd", ".cvg", ".sta"): ("CalculiX", "the deck of the job (.inp) is read"),
     (".op2", ".f06", ".xdb", ".h3d"): ("Nastran or OptiStruct", "the deck of the job (.bdf, .fem) is read"),
     (".k", ".key", ".dyn"): ("LS-DYNA", "LS-PrePost writes Nastran (.bdf) or .stl"),
-    (".unv", ".cgns"): ("I-deas, Salome or CGNS", "`gmsh FILE -save -o FILE.msh` writes a mesh that is read"),
+    (".cgns",): ("CGNS", "`gmsh FILE -save -o FILE.msh` writes a mesh that is read"),
     (".mail", ".comm"): ("Code_Aster", "save the mesh as .med"),
     (
         ".e", ".exo", ".ex2", ".mesh", ".meshb", ".off", ".su2", ".ugrid", ".vol", ".h5m", ".mdpa", ".post", ".dato",

@@ -64,6 +64,8 @@ KINDS = {
         Kind("angular acceleration", "rad/s^2", Dimension(0, 0, -2, 1)),
         Kind("angular jerk", "rad/s^3", Dimension(0, 0, -3, 1)),
         Kind("density", "kg/m^3", Dimension(-3, 1)),
+        Kind("mass per area", "kg/m^2", Dimension(-2, 1)),
+        Kind("mass per length", "kg/m", Dimension(-1, 1)),
         Kind("pressure", "Pa", Dimension(-1, 1, -2)),
         Kind("force", "N", Dimension(1, 1, -2)),
         Kind("moment or energy", "N m", Dimension(2, 1, -2)),

@@ -129,28 +129,25 @@ def _pack(
 
         packed.sea = pack_sea(scene, book, record)
     pack_elements(acting, context, record)
-    flexible = [body for body in ordered if body.mode_count]
-    packed.notes = _tell_turned(scene, flexible, book, _directed([*loads, *acting]))
+    flexible: list[Any] = [body for body in ordered if body.mode_count]
+    if flexible:
+        from heavylift.solver.bodies.floating_frame.held_chords import tell_held_chords
+
+        packed.notes = tell_held_chords(flexible, scene.joints)
     make_system: Any = None
     if scene.joints:
         from heavylift.solver.joints.registry import pack_joints
 
         columns = [record.add(joint.name, joint.CHANNELS) for joint in scene.joints]
-        first = book.count
         packed.joints, make_system, packed.block_names = pack_joints(
             scene.joints, columns, book, attachment, scales, ordered
         )
-        _refuse_turned(flexible, book, first, scene.joints)
-    first = book.count
     pack_elements(elements, context, record)
-    _refuse_turned(flexible, book, first, _directed(elements))
     packed.joints += tuple(context.row_kinds)
     packed.block_names += context.block_names
     packed.forces = context.force_kinds
     packed.notes += tuple(context.notes)
-    first = book.count
     markers = _contact_markers(scene, book)
-    _refuse_turned(flexible, book, first, scene.contacts)
     if counting:
         return packed
     if scene.joints or elements or scene.touches:
@@ -168,32 +165,6 @@ def _pack(
         if scene.touches:
             _add_contacts(scene, ordered, packed, markers, attachment, inverse_mass)
     return packed
-
-
-def _directed(things: Sequence[Any]) -> list[Any]:
-    """Those of some things that take directions of bodies; a rope pulls at the centres of its sheaves."""
-    return [thing for thing in things if getattr(thing, "directed", False)]
-
-
-def _refuse_turned(flexible: Sequence[Any], book: MarkerBook, first: int, things: Sequence[Any]) -> None:
-    """Refuse what holds directions of bodies with modes where these turn, of the markers from a number on."""
-    if flexible and things:
-        from heavylift.solver.bodies.floating_frame.turned import refuse_turned
-
-        refuse_turned(flexible, book, first, things)
-
-
-def _tell_turned(
-    scene: Scene, flexible: Sequence[Any], book: MarkerBook, things: list[Any]
-) -> tuple[str, ...]:
-    """Sentences on forces and measures with directions of bodies with modes where these turn."""
-    if not flexible:
-        return ()
-    from heavylift.solver.bodies.floating_frame.turned import tell_held_chords, tell_turned
-
-    if scene.sea is not None:
-        things = [*things, *scene.sea.loads, *scene.sea.fenders]
-    return (*tell_turned(flexible, book, things), *tell_held_chords(flexible, scene.joints))
 
 
 def _contact_markers(scene: Scene, book: MarkerBook) -> list[Any]:

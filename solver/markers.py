@@ -122,6 +122,8 @@ class PackedMarker(Record):
         Place of its numbers in the constants of the kind.
     direction
         Whether it is a direction.
+    turned
+        Whether it is a direction that modes turn: behind it stands the rotation of its place.
     level
         What it serves, as in `BodyMarkers`.
     """
@@ -130,6 +132,7 @@ class PackedMarker(Record):
     body: int
     data: int
     direction: bool
+    turned: bool
     level: int
 
 
@@ -137,6 +140,7 @@ def pack_markers(
     markers: Sequence[BodyMarkers],
     point_data: Sequence[Callable[[NDArray[np.float64]], NDArray[np.float64]]],
     constants: list[NDArray[np.float64]],
+    direction_data: Sequence[Callable[[NDArray[np.float64], NDArray[np.float64]], NDArray[np.float64]]] = (),
 ) -> Records[PackedMarker]:
     """Index the markers of the bodies of one kind and append their data to the constants of the kind.
 
@@ -148,6 +152,9 @@ def pack_markers(
         One function a body, from a body-frame point [m] to the numbers its kernels need for it.
     constants
         Blocks of the flat array; grows.
+    direction_data
+        One function a body, from a direction and the point [m] at which it is taken to its numbers: the direction
+        alone, or more if the body turns it; directions alone if there are none.
 
     Returns
     -------
@@ -158,12 +165,24 @@ def pack_markers(
     start = sum(map(len, constants))
     for row, (body, data_of) in enumerate(zip(markers, point_data, strict=True)):
         levels = body.levels or (FORCES,) * len(body.numbers)
-        for number, vector, direction, level in zip(
-            body.numbers, body.vectors, body.directions, levels, strict=True
+        places = body.places or body.vectors
+        for number, vector, direction, level, place in zip(
+            body.numbers, body.vectors, body.directions, levels, places, strict=True
         ):
             block = np.asarray(vector, dtype=np.float64) if direction else data_of(vector)
+            if direction and direction_data:
+                block = direction_data[row](vector, place)
+            turned = direction and len(block) > 3
             rows.append(
-                filled(PackedMarker, number=number, body=row, data=start, direction=direction, level=level)
+                filled(
+                    PackedMarker,
+                    number=number,
+                    body=row,
+                    data=start,
+                    direction=direction,
+                    turned=turned,
+                    level=level,
+                )
             )
             constants.append(block)
             start += len(block)

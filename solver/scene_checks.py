@@ -47,6 +47,7 @@ def check_scene(scene: Scene) -> None:
         _check_body(body)
     for joint in scene.joints:
         _check_joint(joint)
+    _check_stiffened(scene)
     described: list[Any] = [*scene.bodies, *scene.forces, *scene.joints, *scene.ropes]
     described += [*scene.decks, *scene.transporters]
     if scene.sea is not None:
@@ -150,6 +151,26 @@ def _check_joint(joint: Joint) -> None:
         value = getattr(joint, key)
         if not 0.0 <= value < np.inf:
             raise InputError(f"{value}", source=joint.name, key=key, expected="0 or more")
+
+
+def _check_stiffened(scene: Scene) -> None:
+    """Refuse contacts of bodies with modes that stiffen: their forces move, and the stress of each is not known."""
+    stiffened = {
+        body.name for body in scene.bodies if getattr(getattr(body, "reduced", None), "stiffening", None)
+    }
+    if not stiffened:
+        return
+    carriers: tuple[Any, ...] = (*scene.contours, *scene.surfaces)
+    touchings: tuple[Any, ...] = (*scene.contacts, *scene.collisions)
+    owners = {one.name: one.body for one in carriers}
+    for touching in touchings:
+        names = touching.surfaces if hasattr(touching, "surfaces") else (touching.contour,)
+        for name in sorted({owners.get(one, "") for one in names} & stiffened):
+            raise InputError(
+                f"it touches the flexible body {name!r}, whose stiffening does not follow a force that moves over it",
+                source=touching.name,
+                expected="'modes.stiffening' = false of this body, or no contact on it",
+            )
 
 
 def _check_body(body: AnyBody) -> None:

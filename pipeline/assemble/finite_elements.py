@@ -16,13 +16,24 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
     from pathlib import Path
 
+    from numpy.typing import NDArray
+
     from heavylift.pipeline.case.bodies import FlexibleBodySection
     from heavylift.pipeline.case.case_file import Case
-    from heavylift.pipeline.case.geometry import FourFilesGeometry, Group, MatricesGeometry, MeshFileGeometry
+    from heavylift.pipeline.case.geometry import (
+        FourFilesGeometry,
+        Group,
+        MaterialSection,
+        MatricesGeometry,
+        MeshFileGeometry,
+    )
+    from heavylift.pipeline.case.panels import PanelsGeometry
+    from heavylift.preprocess.finite_elements.deck import Deck
     from heavylift.preprocess.finite_elements.exchange import FourFileData
     from heavylift.preprocess.finite_elements.groups import NodeSelector
     from heavylift.preprocess.finite_elements.mesh import Mesh
     from heavylift.preprocess.finite_elements.model import FEModel
+    from heavylift.preprocess.structures.structure import Structure
 
 __all__ = [
     "assemble_model",
@@ -45,6 +56,8 @@ def assemble_model(case: Case, name: str, body: FlexibleBodySection) -> FEModel:
             return _of_matrices(case, body.geometry)
         if body.geometry.type == "mesh":
             return _of_deck(case, name, body, body.geometry)
+        if body.geometry.type == "panels":
+            return _of_panels(case, name, body, body.geometry)
         assert body.material is not None
         mesh = _mesh(case, name, body)
         if body.geometry.type == "blocks" and body.mesh.formulation == "reduced":
@@ -53,16 +66,34 @@ def assemble_model(case: Case, name: str, body: FlexibleBodySection) -> FEModel:
         return assemble(mesh, material, formulation=body.mesh.formulation, mass=body.mesh.mass)
 
 
+def _of_panels(case: Case, name: str, body: FlexibleBodySection, geometry: PanelsGeometry) -> FEModel:
+    """Plates with stiffeners and lugs, with more groups of their nodes."""
+    from dataclasses import replace
+
+    from heavylift.pipeline.assemble.panels import structure_of_panels
+    from heavylift.preprocess.finite_elements.groups import select_nodes
+    from heavylift.preprocess.structures.assemble import assemble_structure
+
+    made = structure_of_panels(case, name, body, geometry)
+    groups = select_nodes(made.nodes, _selectors(geometry.groups), faces=made.node_groups, source=name)
+    mass = body.mesh.mass if "mass" in body.mesh.model_fields_set else "lumped"
+    return assemble_structure(replace(made, node_groups={**made.node_groups, **groups}), mass=mass)
+
+
 def _of_deck(case: Case, name: str, body: FlexibleBodySection, geometry: MeshFileGeometry) -> FEModel:
     """One body of a mesh file, with the materials of the file as far as the case gives none."""
     from dataclasses import replace
 
     from heavylift.preprocess.finite_elements.deck import material_of
+    from heavylift.preprocess.finite_elements.deck_structure import has_structure
     from heavylift.preprocess.finite_elements.elasticity import assemble_several
     from heavylift.preprocess.finite_elements.geometry import read_deck, scaled_mesh
 
     unit = geometry.length_unit
-    taken = read_deck(case.folder / geometry.file, case.folder).body(
+    deck = read_deck(case.folder / geometry.file, case.folder)
+    if has_structure(deck, geometry.elements, [*body.plates, *body.stiffeners]):
+        return _structure_of_deck(deck, name, body, geometry)
+    taken = deck.body(
         elements=geometry.elements,
         part=geometry.part,
         merge_nodes=None if geometry.merge_nodes is None else geometry.merge_nodes / unit,
@@ -89,6 +120,75 @@ def _of_deck(case: Case, name: str, body: FlexibleBodySection, geometry: MeshFil
         names = ", ".join(one.name for one in taken.materials)
         notes.append(f"{len(materials)} materials: {names}; such a body has no stress")
     return replace(model, notes=tuple(notes))
+
+
+def _structure_of_deck(
+    deck: Deck, name: str, body: FlexibleBodySection, geometry: MeshFileGeometry
+) -> FEModel:
+    """Plates, beams, solids, masses and rigid elements of a mesh file, with what the case gives by group."""
+    from dataclasses import replace
+
+    from heavylift.preprocess.finite_elements.deck_structure import (
+        BeamProperty,
+        PlateProperty,
+        structure_of,
+    )
+    from heavylift.preprocess.finite_elements.groups import select_nodes
+    from heavylift.preprocess.finite_elements.model import Material
+    from heavylift.preprocess.structures.assemble import assemble_structure
+    from heavylift.preprocess.structures.sections import profile
+
+    of_body = body.material.given() if body.material else {}
+
+    def material(own: MaterialSection | None, key: str) -> Material | None:
+        if own is None:
+            return None
+        given = {**of_body, **own.given()}
+        missing = [word for word in ("young_modulus", "poisson_ratio", "density") if word not in given]
+        if missing:
+            raise InputError(
+                f"no {missing[0]!r}",
+                source=name,
+                key=f"{key}.material",
+                expected="young_modulus, poisson_ratio and density",
+            )
+        return Material(**given)
+
+    plates = {
+        key: PlateProperty(
+            one.thickness, one.offset, one.nonstructural_mass, material(one.material, f"plates.{key}")
+        )
+        for key, one in body.plates.items()
+    }
+    beams = {}
+    for key, beam in body.stiffeners.items():
+        section, offset = None, None
+        if beam.section is not None:
+            measures = {k: v for k, v in beam.section.model_dump().items() if v is not None and k != "shape"}
+            section, centroid = profile(beam.section.shape, **measures)
+            offset = (0.0, 0.0)
+            if beam.foot is not None:
+                # the plate keeps it from turning aside
+                section, offset = replace(section, product=0.0), (beam.foot + centroid[0], centroid[1])
+        beams[key] = BeamProperty(
+            section, beam.web, beam.flange, offset, material(beam.material, f"stiffeners.{key}")
+        )
+    made = structure_of(
+        deck,
+        elements=geometry.elements,
+        part=geometry.part,
+        merge_nodes=geometry.merge_nodes,
+        given=of_body,
+        ignore_material=geometry.ignore_material,
+        length_unit=geometry.length_unit if "length_unit" in geometry.model_fields_set else None,
+        mass_unit=geometry.mass_unit,
+        plates=plates,
+        beams=beams,
+        source=name,
+    )
+    groups = select_nodes(made.nodes, _selectors(geometry.groups), faces=made.node_groups, source=made.name)
+    mass = body.mesh.mass if "mass" in body.mesh.model_fields_set else "lumped"
+    return assemble_structure(replace(made, node_groups={**made.node_groups, **groups}), mass=mass)
 
 
 def _of_matrices(case: Case, geometry: MatricesGeometry) -> FEModel:
@@ -118,10 +218,12 @@ _CASE_KEYS = (
     (re.compile(r"node group '([^']*)'"), r"geometry.groups.\1"),
     (re.compile(r"(divisions(?:\..)?|refine|size)"), r"mesh.\1"),
     (re.compile(r"(add|cut)"), r"geometry.\1"),
-    (re.compile(r"(elements|part|merge_nodes|mass_unit)"), r"geometry.\1"),
+    (re.compile(r"(elements|part|merge_nodes|length_unit|mass_unit)"), r"geometry.\1"),
+    (re.compile(r"((?:plates|stiffeners)\..*)"), r"\1"),
     (re.compile(r"(material(?:\..*)?)"), r"\1"),
     (re.compile(r"modes"), "modes.count"),
-    (re.compile(r"((?:modes|mesh|supports|static)\..*|interface)"), r"\1"),
+    (re.compile(r"up_to"), "modes.up_to"),
+    (re.compile(r"((?:modes|mesh|supports|static|interfaces)\..*|interface)"), r"\1"),
 )
 """Keys in messages of the stages, and what they are below the body in a case file."""
 
@@ -134,7 +236,8 @@ def in_body(case: Case, name: str, model_name: str = "") -> Iterator[None]:
     except InputError as error:
         of_file = case.bodies[name].geometry.type in {"mesh", "matrices"}
         grouped = error.key.startswith("node group ") and not of_file
-        grouped |= error.key in {"elements", "part", "merge_nodes"} and of_file
+        grouped |= error.key in {"elements", "part", "merge_nodes", "length_unit", "mass_unit"} and of_file
+        grouped |= error.key.startswith(("plates.", "stiffeners.")) and of_file
         if error.source not in {name, model_name, str(case.file), ""} and not grouped:
             raise
         if error.source == str(case.file) and error.key.startswith(("bodies.", "repeat.", "contours.")):
@@ -236,27 +339,67 @@ def four_files(case: Case, geometry: FourFilesGeometry) -> FourFileData:
 def model_properties(model: FEModel) -> dict[str, Any]:
     """Numbers of a finite-element model for its manifest and for checks."""
     density = model.material.density if model.material else None
+    structure = model.structure
+    count = None if model.elements is None else model.elements.element_count
     return {
         "node_count": model.node_count,
-        "element_count": None if model.mesh is None else len(model.mesh.elements),
-        "dof_count": 3 * model.node_count,
+        "element_count": count,
+        "parts": None if structure is None else _parts(structure),
+        "dof_count": model.dof_count if model.constraint is None else int(model.constraint.shape[1]),
         "mass": model.total_mass,
+        "centre_of_mass": None if structure is None else model.centre_of_mass.tolist(),
         "volume": None if density is None else model.total_mass / density,
         "notes": list(model.notes),
     }
 
 
+def _parts(structure: Structure) -> dict[str, str | int]:
+    """How many elements each property has, and how many masses and rigid elements there are."""
+    found: dict[str, str | int] = {}
+    for word, parts in (
+        ("plates", structure.shells),
+        ("beams", structure.beams),
+        ("solids", structure.solids),
+    ):
+        if parts:
+            found[word] = ", ".join(f"{part.name} {len(part.elements)}" for part in parts)
+    for word, others in (
+        ("masses", structure.masses),
+        ("rigid links", structure.links),
+        ("averages", structure.averages),
+        ("ties", structure.ties),
+    ):
+        if others:
+            found[word] = len(others)
+    return found
+
+
+_VTU = {"tet10": "tetra10", "hex8": "hexahedron", "hex20": "hexahedron20"}
+
+
+def _cells(model: FEModel) -> list[tuple[str, NDArray[np.int64]]]:
+    """Elements by kind, with the words of meshio."""
+    if model.mesh is not None:
+        return [(_VTU[model.mesh.element_type], model.mesh.elements)]
+    assert model.structure is not None
+    shells = {3: "triangle", 4: "quad"}
+    return [
+        *((shells[part.elements.shape[1]], part.elements) for part in model.structure.shells),
+        *(("line", part.elements) for part in model.structure.beams),
+        *((_VTU[part.element_type], part.elements) for part in model.structure.solids),
+    ]
+
+
 def write_vtu(path: Path, model: FEModel) -> None:
     """Write the mesh of a model, with its groups as 0/1 point data, for viewers; nothing without elements."""
-    if model.mesh is None:
+    if model.elements is None:
         return
     import meshio
 
-    kind = {"tet10": "tetra10", "hex8": "hexahedron", "hex20": "hexahedron20"}[model.mesh.element_type]
     groups = {name: np.isin(np.arange(model.node_count), nodes) for name, nodes in model.node_groups.items()}
     mesh = meshio.Mesh(
         model.nodes,
-        [(kind, model.mesh.elements)],
+        _cells(model),
         point_data={f"group {name}": member.astype(np.int64) for name, member in groups.items()},
     )
     with replacing(path) as temporary:

@@ -24,7 +24,14 @@ if TYPE_CHECKING:
     from heavylift.pipeline.case.case_file import Case
     from heavylift.pipeline.results.storage import OutputFolder
 
-__all__ = ["assemble_body", "check_drawn_points", "check_points", "modal_coordinates", "start_body"]
+__all__ = [
+    "assemble_body",
+    "check_drawn_points",
+    "check_points",
+    "damping_ratios",
+    "modal_coordinates",
+    "start_body",
+]
 
 
 def assemble_body(
@@ -34,6 +41,28 @@ def assemble_body(
     path = folder.reduced(name)
     reduced = read_reduced(path)
     origin = np.array(json.loads(read_header(path)["frame_origin"]))
+    made = s.FlexibleBody(
+        name=name,
+        reduced=reduced,
+        motion=motion_of(body.frame),
+        modal_position=modal_coordinates(case, name, reduced, body.initial, "modal_position"),
+        modal_velocity=modal_coordinates(case, name, reduced, body.initial, "modal_velocity"),
+        damping_ratio=damping_ratios(case, name, body, reduced),
+        **start_of_frame(body.initial, origin),
+    )
+    return made, origin
+
+
+def damping_ratios(
+    case: Case, name: str, body: FlexibleBodySection, reduced: ReducedBody
+) -> NDArray[np.float64]:
+    """Damping of the vectors of a basis, of critical, shape (nf,).
+
+    Raises
+    ------
+    InputError
+        Neither one number nor one a vector.
+    """
     ratios = np.array(body.modes.damping_ratio)
     if len(ratios) not in {1, reduced.mode_count}:
         raise InputError(
@@ -43,16 +72,7 @@ def assemble_body(
             expected=f"1 or {reduced.mode_count}, one a vector of the basis",
         )
     frequencies = np.sqrt(np.maximum(reduced.eigenvalues, 0.0))
-    made = s.FlexibleBody(
-        name=name,
-        reduced=reduced,
-        motion=motion_of(body.frame),
-        modal_position=modal_coordinates(case, name, reduced, body.initial, "modal_position"),
-        modal_velocity=modal_coordinates(case, name, reduced, body.initial, "modal_velocity"),
-        damping_ratio=ratios + 0.5 * body.modes.stiffness_damping * frequencies,
-        **start_of_frame(body.initial, origin),
-    )
-    return made, origin
+    return ratios + 0.5 * body.modes.stiffness_damping * frequencies
 
 
 def modal_coordinates(
@@ -88,7 +108,7 @@ def check_points(
 ) -> None:
     """Points that it carries must lie on it; they and the origin in coordinates of the geometry [m]."""
     for key, point in points:
-        body.reduced.locate(np.asarray(point) - origin, source=case.file, key=key, origin=origin)
+        body.reduced.point_at(np.asarray(point) - origin, source=case.file, key=key, origin=origin)
 
 
 # ---- before the stages have run ----
@@ -141,7 +161,8 @@ def _check_numbers_of_modes(body: FlexibleBodySection) -> None:
 def check_drawn_points(
     case: Case, section: FlexibleBodySection, _body: Any, points: Sequence[tuple[str, ArrayLike]]
 ) -> list[tuple[str, InputError]]:
-    """Points farther from all blocks than from a mesh of them, with their keys; of blocks only."""
+    """Points farther from all blocks than from a mesh of them, with their keys; of blocks only, and no interfaces."""
+    from heavylift.modal.reduced import SAME_PLACE
     from heavylift.preprocess.finite_elements.mesh import BESIDE
 
     geometry = section.geometry
@@ -150,8 +171,11 @@ def check_drawn_points(
     errors = []
     low, high = (np.array([getattr(block, side) for block in geometry.add]) for side in ("lower", "upper"))
     extent = float((high.max(axis=0) - low.min(axis=0)).max())
+    references = [one.at for one in section.interfaces.values() if one.at is not None]
     for key, point in points:
         place = np.asarray(point, dtype=np.float64)
+        if any(np.linalg.norm(place - reference) <= SAME_PLACE * extent for reference in references):
+            continue
         distance = np.linalg.norm(np.maximum(np.maximum(low - place, place - high), 0.0), axis=1).min()
         if distance <= BESIDE * extent:
             continue

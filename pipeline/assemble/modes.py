@@ -2,42 +2,71 @@
 
 from __future__ import annotations
 
+import contextlib
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from heavylift.modal.stiffening import HERE
 from heavylift.numerics.outcome import InputError
 from heavylift.pipeline.assemble.finite_elements import four_files, in_body
+from heavylift.pipeline.assemble.interfaces import arm_notes, held_places, interface_fits
 from heavylift.preprocess.finite_elements.groups import RELATIVE_TOLERANCE
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterator, Mapping, Sequence
 
     from numpy.typing import NDArray
 
-    from heavylift.modal.bases import Loads
+    from heavylift.modal.bases import Basis, Loads
     from heavylift.modal.flexibility import Flexibility
+    from heavylift.modal.interfaces import Fit
     from heavylift.modal.reduced import ReducedBody
     from heavylift.modal.statics import StaticState
     from heavylift.pipeline.case.bodies import FlexibleBodySection
     from heavylift.pipeline.case.case_file import Case
     from heavylift.pipeline.case.modes import ContactPatchSection, ModesSection
-    from heavylift.pipeline.case.statics import BodySupportSection, StaticCaseSection, StaticLoadSection
+    from heavylift.pipeline.case.statics import BodySupportSection, StaticLoadSection
     from heavylift.pipeline.results.storage import OutputFolder
     from heavylift.preprocess.finite_elements.model import FEModel
 
 __all__ = ["reduce_model", "reduced_properties"]
 
 
-def reduce_model(
-    case: Case, body: FlexibleBodySection, model: FEModel, folder: OutputFolder
-) -> tuple[ReducedBody, tuple[float, float, float], list[StaticState]]:
-    """Reduced body of a model in a folder, origin of its frame in coordinates of the geometry [m], static states."""
+_BORNE = 1e-12
+"""Of a load of a place: what rounding leaves of it where it acts on nodes that are held."""
+
+
+class Reduction(NamedTuple):
+    """What a reduction finds.
+
+    Attributes
+    ----------
+    body
+        Reduced body.
+    origin
+        Of its frame, in coordinates of the geometry [m].
+    states
+        Of the static load cases.
+    notes
+        Sentences on what was chosen.
+    """
+
+    body: ReducedBody
+    origin: tuple[float, float, float]
+    states: list[StaticState]
+    notes: list[str]
+
+
+def reduce_model(case: Case, body: FlexibleBodySection, model: FEModel, folder: OutputFolder) -> Reduction:
+    """Reduced body of a model in a folder."""
     name = next(name for name, other in case.bodies.items() if other is body)
     with in_body(case, name, model.name):
         held = held_directions(model, body.supports)
-        return _reduce(case, name, body, replace(model, fixed_dofs=held), folder)
+        return _reduce(
+            case, name, body, replace(model, fixed_dofs=np.union1d(model.fixed_dofs, held)), folder
+        )
 
 
 def held_directions(model: FEModel, supports: Sequence[BodySupportSection]) -> NDArray[np.int64]:
@@ -85,37 +114,59 @@ def _place_nodes(
     return patch_nodes(model, nodes, box=(place.lower, place.upper), name=key)
 
 
-def _static_states(flexibility: Flexibility, cases: Sequence[StaticCaseSection]) -> list[StaticState]:
-    """Equilibrium under each static load case of a body."""
+def _static_states(flexibility: Flexibility, body: FlexibleBodySection) -> list[StaticState]:
+    """Equilibrium under each static load case of a body, with the buckling factors that are asked for."""
+    from heavylift.modal.buckling import buckling
     from heavylift.modal.statics import solve_static
+    from heavylift.modal.stiffening import stress_stiffness
 
-    model = flexibility.model
+    model, cases = flexibility.model, body.static
+    asked = [index for index, one in enumerate(cases) if one.buckling]
+    if asked:
+        stiffness_of = stress_stiffness(
+            model, formulation=body.mesh.formulation, key=f"static.{asked[0]}.buckling"
+        )
     states = []
     for index, one in enumerate(cases):
-        forces = np.zeros(3 * model.node_count)
+        forces = np.zeros(model.dof_count)
         for number, load in enumerate(one.loads):
             forces += _nodal_forces(model, load, f"static.{index}.loads.{number}")
-        states.append(solve_static(flexibility, forces, f"static.{index}")._replace(name=one.name))
+        state = solve_static(flexibility, forces, f"static.{index}")._replace(name=one.name)
+        if one.buckling:
+            found = buckling(
+                flexibility, stiffness_of(_all_motions(model, state)), key=f"static.{index}.buckling"
+            )
+            state = state._replace(buckling_factor=found.factor)
+        states.append(state)
     return states
 
 
+def _all_motions(model: FEModel, state: StaticState) -> NDArray[np.float64]:
+    """Displacements of all nodes and rotations of those that have some, shape (N,)."""
+    if state.rotations is None:
+        return state.displacements.ravel()
+    return np.concatenate([state.displacements.ravel(), state.rotations[model.rotating].ravel()])
+
+
 def _nodal_forces(model: FEModel, load: StaticLoadSection, key: str) -> NDArray[np.float64]:
-    """Nodal forces of a load [N], node-major, shape (3n,)."""
+    """Nodal forces of a load [N, N m], node-major, shape (N,)."""
     from heavylift.modal.contact_vectors import outer_faces
     from heavylift.modal.flexibility import apply_mass
     from heavylift.modal.statics import face_area, face_forces
 
     if load.acceleration is not None:
-        return apply_mass(model.mass, np.tile(load.acceleration, model.node_count))
+        field = np.zeros(model.dof_count)
+        field[: 3 * model.node_count] = np.tile(load.acceleration, model.node_count)
+        return apply_mass(model.mass, field)
     nodes = _place_nodes(model, load, key)
     try:
         faces = outer_faces(model, nodes, name=key)
     except InputError:
         if load.force is None:
             raise
-        forces = np.zeros((model.node_count, 3))
-        forces[nodes] = np.asarray(load.force) / len(nodes)
-        return forces.ravel()
+        forces = np.zeros(model.dof_count)
+        forces[: 3 * model.node_count].reshape(-1, 3)[nodes] = np.asarray(load.force) / len(nodes)
+        return forces
     if load.pressure is not None:
         return face_forces(model, faces, pressure=load.pressure)
     if load.traction is not None:
@@ -124,23 +175,39 @@ def _nodal_forces(model: FEModel, load: StaticLoadSection, key: str) -> NDArray[
     return face_forces(model, faces, traction=np.asarray(load.force) / face_area(model, faces))
 
 
+@contextlib.contextmanager
+def _below_interfaces(model: FEModel) -> Iterator[None]:
+    """Put the key of an interface into errors that know its name."""
+    try:
+        yield
+    except InputError as error:
+        key = f"interfaces.{error.source}.{error.key}"
+        raise InputError(error.problem, source=model.name, key=key, expected=error.expected) from None
+
+
 def _reduce(
     case: Case, name: str, body: FlexibleBodySection, model: FEModel, folder: OutputFolder
-) -> tuple[ReducedBody, tuple[float, float, float], list[StaticState]]:
-    from heavylift.modal import bases
+) -> Reduction:
+    from heavylift.modal import bases, interfaces
     from heavylift.modal.eigen import eigenmodes
     from heavylift.modal.flexibility import Flexibility
     from heavylift.modal.reduction import reduce_body
 
     options = body.modes
     clamped = _nodes_of(model, options.clamp, "modes.clamp")
+    fits = interface_fits(model, body.interfaces, lambda group, key: _nodes_of(model, [group], key))
+    rigid = {one: fits[one] for one, section in body.interfaces.items() if section.kind == "rigid"}
+    elastic, flexibility = model, None
+    masters: dict[str, NDArray[np.int64]] = {}
+    if rigid:
+        with _below_interfaces(model):
+            model, masters = interfaces.stiffened(model, rigid, fixed_nodes=clamped)
     static_loads = _loads(options, model, clamped)
     if options.attach and not options.patches:
         static_loads += contour_loads(case, name, model, folder, fixed_nodes=clamped)
     origin = np.zeros(3)
     if body.frame.origin == "centre_of_mass":
-        row_sum = np.asarray(model.mass.sum(axis=0)).ravel()
-        origin = row_sum @ model.nodes / row_sum.sum()
+        origin = model.centre_of_mass
     if options.basis == "stored":
         assert body.geometry.type == "four_files"
         shapes = four_files(case, body.geometry).modes
@@ -153,23 +220,41 @@ def _reduce(
                 expected=f"numbers up to {shapes.shape[1]}, the stored shapes",
             )
         basis = bases.Basis(shapes[:, chosen], tuple(f"stored {number + 1}" for number in chosen))
-        flexibility = Flexibility(model, clamped) if options.has_static else None
+    elif options.basis == "craig_bampton" and not options.interface:
+        basis = interfaces.rigid_craig_bampton(
+            model, rigid, masters, options.count, up_to=options.up_to, fixed_nodes=clamped
+        )
     elif options.basis == "craig_bampton":
         interface = _nodes_of(model, options.interface, "modes.interface")
-        basis = bases.craig_bampton(model, interface, options.count, fixed_nodes=clamped)
-        flexibility = Flexibility(model, clamped) if options.has_static else None
+        basis = bases.craig_bampton(model, interface, options.count, up_to=options.up_to, fixed_nodes=clamped)
     else:
         flexibility = Flexibility(model, clamped)
         parts = []
-        if options.count:
-            modes = eigenmodes(model, options.count, flexibility=flexibility)
+        if options.count or options.up_to is not None:
+            modes = eigenmodes(model, options.count, up_to=options.up_to, flexibility=flexibility)
             parts.append(bases.eigenmode_basis(modes, options.select or None))
         if options.basis == "krylov":
             parts += [bases.moment_matching(flexibility, loads, options.order) for loads in static_loads]
         basis = sum(parts[1:], start=parts[0])
+    if flexibility is None and (options.has_static or body.interfaces or body.static):
+        flexibility = Flexibility(model, clamped)
     if flexibility is not None and options.basis != "krylov":
         for loads in static_loads:
             basis += bases.static_vectors(flexibility, loads)
+    exact = {}
+    for one, found in fits.items():
+        assert flexibility is not None
+        loads = interfaces.attachment_loads(model, found, one)
+        vectors = bases.static_vectors(flexibility, loads)
+        exact[one] = np.sum(loads.forces * vectors.vectors, axis=0)
+        if options.basis != "craig_bampton" or options.interface:
+            basis += vectors
+    joined = {}
+    if options.basis != "stored":
+        joined = held_places(case, name, body, elastic, origin, fits.values())
+    for one, found in joined.items():
+        flexibility = flexibility or Flexibility(model, clamped)
+        basis += _felt(flexibility, interfaces.attachment_loads(model, found, f"joint {one}"))
     reduced = reduce_body(
         model,
         basis.vectors,
@@ -178,10 +263,76 @@ def _reduce(
         origin=origin,
         mean_axis=body.frame.motion == "free",
     )
+    places = {one: interfaces.interface_of(reduced, found, origin, exact[one]) for one, found in fits.items()}
+    reduced = replace(reduced, interfaces=places)
+    if options.stiffening:
+        reduced = _stiffened(model, reduced, body, clamped, origin, flexibility, {**fits, **joined})
     states = []
     if body.static:
-        states = _static_states(flexibility or Flexibility(model, clamped), body.static)
-    return reduced, (float(origin[0]), float(origin[1]), float(origin[2])), states
+        assert flexibility is not None
+        states = _static_states(flexibility, body)
+    start = (float(origin[0]), float(origin[1]), float(origin[2]))
+    notes = [*arm_notes(elastic, fits), *([_held_note(joined)] if joined else [])]
+    return Reduction(reduced, start, states, notes)
+
+
+def _felt(flexibility: Flexibility, loads: Loads) -> Basis:
+    """Deflections under those loads of a place that are not borne by what is held there."""
+    from heavylift.modal import bases
+
+    felt = flexibility.dofs.gathered(loads.forces)[flexibility.unknowns]
+    chosen = np.abs(felt).max(axis=0, initial=0.0) > _BORNE * np.abs(loads.forces).max(axis=0)
+    labels = tuple(label for label, one in zip(loads.labels, chosen, strict=True) if one)
+    return bases.static_vectors(flexibility, bases.Loads(loads.forces[:, chosen], labels))
+
+
+def _held_note(joined: Mapping[str, Fit]) -> str:
+    names = ", ".join(repr(one) for one in joined)
+    return f"attachment modes for forces and moments of joints that hold its directions: {names}"
+
+
+def _stiffened(
+    model: FEModel,
+    reduced: ReducedBody,
+    body: FlexibleBodySection,
+    clamped: NDArray[np.int64],
+    origin: NDArray[np.float64],
+    flexibility: Flexibility | None,
+    fits: Mapping[str, Fit],
+) -> ReducedBody:
+    """With what loads along it do to the stiffness; clamps hold shapes of a free body, but no load on it."""
+    from heavylift.modal.bases import Loads, place_loads
+    from heavylift.modal.flexibility import Flexibility
+    from heavylift.modal.interfaces import attachment_loads
+    from heavylift.modal.stiffening import inertia_stiffening, stress_stiffness, with_loads
+
+    free = body.frame.motion == "free"
+    if free and (model.fixed_nodes.size or model.fixed_dofs.size):
+        raise InputError(
+            "its frame is free, and supports hold its nodes",
+            key="modes.stiffening",
+            expected="a frame that is 'fixed' or 'driven', or no supports",
+        )
+    stiffness_of = stress_stiffness(model, formulation=body.mesh.formulation)
+    if flexibility is None or (free and clamped.size):
+        flexibility = Flexibility(model, () if free else clamped)
+    stiffening = inertia_stiffening(flexibility, reduced, stiffness_of)
+    at = [found.point for found in fits.values()]
+    loads = [attachment_loads(model, found, name) for name, found in fits.items()]
+    others = [
+        point
+        for point in body.modes.static_points
+        if np.linalg.norm(np.array([*at, np.full(3, np.inf)]) - point, axis=1).min() > HERE * reduced.size
+    ]
+    if others:
+        loads.append(place_loads(model, others, key="modes.static_points"))
+    if loads:
+        together = Loads(
+            np.hstack([one.forces for one in loads]), tuple(label for one in loads for label in one.labels)
+        )
+        places = np.array([*at, *others]) - origin
+        stiffening = with_loads(stiffening, flexibility, reduced, stiffness_of, together, places)
+    return replace(reduced, stiffening=stiffening)
 
 
 def _nodes_of(model: FEModel, groups: Sequence[str], key: str) -> NDArray[np.int64]:
@@ -332,10 +483,16 @@ def contour_loads(
     return loads
 
 
-def reduced_properties(reduced: ReducedBody, states: Sequence[StaticState] = ()) -> dict[str, Any]:
+def reduced_properties(reduction: Reduction) -> dict[str, Any]:
     """Numbers of a reduced body and its static load cases for its manifest."""
+    reduced, states = reduction.body, reduction.states
     return {
-        "notes": _large_deflections(reduced, states),
+        "notes": [*reduction.notes, *_large_deflections(reduced, states)],
+        "interfaces": {
+            name: f"{100.0 * one.captured:.4g} % of its static compliance captured"
+            for name, one in reduced.interfaces.items()
+        }
+        or None,
         "static": {state.name: f"residual {state.residual:.0e}" for state in states} or None,
         "vector_count": reduced.mode_count,
         "frequencies_hz": [float(f) for f in reduced.frequencies],

@@ -13,11 +13,13 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 from pydantic import Field, ValidationInfo, WithJsonSchema, field_validator, model_validator
 
+from heavylift.pipeline.case.deck_groups import PlateGroupSection, StiffenerGroupSection
 from heavylift.pipeline.case.described import Chosen, make_section
 from heavylift.pipeline.case.fields import (
     AngularVelocityVector,
     Direction,
     LengthVector,
+    Name,
     Quantity,
     Section,
     VelocityVector,
@@ -26,8 +28,11 @@ from heavylift.pipeline.case.fields import (
     reject,
 )
 from heavylift.pipeline.case.geometry import Geometry, MaterialSection, MeshSection
+from heavylift.pipeline.case.interfaces import InterfaceSection
 from heavylift.pipeline.case.modes import ModesSection
+from heavylift.pipeline.case.panels import PanelsGeometry
 from heavylift.pipeline.case.statics import BodySupportSection, StaticCaseSection
+from heavylift.pipeline.case.stress import StressSection
 from heavylift.solver.scene.bodies import MOTIONS, Body, FlexibleBody, Placed, RigidBody
 
 __all__ = [
@@ -161,18 +166,26 @@ class FlexibleBodySection(BodySection):
     CHANNELS: ClassVar = FlexibleBody.CHANNELS
 
     type: Literal["flexible"]
-    geometry: Geometry
+    geometry: Annotated[Geometry | PanelsGeometry, Field(discriminator="type")]
     """Shape, or matrices of another program."""
     material: MaterialSection | None = None
     """Material; needed unless the geometry brings matrices, or is a mesh file that says it, which must agree."""
     mesh: MeshSection = Field(default_factory=MeshSection)
     """Elements; for geometries that are meshed here."""
+    plates: dict[str, PlateGroupSection] = Field(default_factory=dict)
+    """Of a mesh file, plates by name of their element set: what the file lacks, or what is otherwise here."""
+    stiffeners: dict[str, StiffenerGroupSection] = Field(default_factory=dict)
+    """Of a mesh file, beams by name of their element set: what the file lacks, or what is otherwise here."""
     modes: ModesSection
     """Reduction to mode shapes."""
     supports: tuple[BodySupportSection, ...] = ()
     """What is held in single directions, and planes of symmetry; besides `modes.clamp`."""
     static: tuple[StaticCaseSection, ...] = ()
     """Static load cases, solved with the modes."""
+    interfaces: dict[Name, InterfaceSection] = Field(default_factory=dict)
+    """Places where others are attached, by name; each adds six attachment modes to the basis."""
+    stress: StressSection | None = None
+    """Stress over the run; none if absent."""
     frame: Frame
     """How the body frame moves."""
     initial: InitialSection = Field(default_factory=InitialSection)
@@ -184,7 +197,7 @@ class FlexibleBodySection(BodySection):
         matrices = given in {"four_files", "matrices"}
         if matrices and self.material is not None:
             reject(f"'material' with geometry {given!r}", "no material: the files hold the matrices")
-        if given not in {"four_files", "matrices", "mesh"} or getattr(
+        if given not in {"four_files", "matrices", "mesh", "panels"} or getattr(
             self.geometry, "ignore_material", False
         ):
             if self.material is None:
@@ -194,6 +207,12 @@ class FlexibleBodySection(BodySection):
                     reject(f"no {key!r}", "young_modulus, poisson_ratio and density", key=f"material.{key}")
         if matrices and "mesh" in self.model_fields_set:
             reject(f"'mesh' with geometry {given!r}", "no mesh section: the files hold the matrices")
+        if given == "panels":
+            if self.mesh.size is None:
+                reject("no 'mesh.size'", "edge length of the elements of plates", key="mesh.size")
+            extra = sorted(self.mesh.model_fields_set - {"mass", "size"})
+            if extra:
+                reject(f"'mesh' has {', '.join(extra)} with geometry 'panels'", "only 'size' and 'mass'")
         if given != "step" and self.mesh.curved:
             reject(f"'mesh.curved' with geometry {given!r}", "geometry 'step'")
         if given == "mesh" and self.mesh.model_fields_set - {"mass", "formulation", "element"}:
@@ -202,6 +221,13 @@ class FlexibleBodySection(BodySection):
                 f"'mesh' has {keys} with geometry 'mesh'",
                 "only 'mass' and 'formulation': the file is the mesh",
             )
+        for key in ("plates", "stiffeners"):
+            if getattr(self, key) and given != "mesh":
+                reject(
+                    f"{key!r} with geometry {given!r}",
+                    "geometry 'mesh', or 'panels' with its own tables",
+                    key=key,
+                )
         formulation = self.mesh.formulation
         if given != "mesh" and self.mesh.element == "tet10" and formulation not in {None, "full"}:
             reject(
@@ -228,6 +254,20 @@ class FlexibleBodySection(BodySection):
                 "no supports with a free frame, or frame motion 'fixed' or 'driven'",
                 key="supports",
             )
+        if self.modes.basis == "craig_bampton" and not self.modes.interface:
+            if not self.interfaces:
+                reject(
+                    "basis 'craig_bampton' without 'interface'",
+                    "at least one group as interface, or interfaces of kind 'rigid'",
+                    key="modes",
+                )
+            for name, interface in self.interfaces.items():
+                if interface.kind != "rigid":
+                    reject(
+                        f"kind {interface.kind!r} with basis 'craig_bampton'",
+                        "kind 'rigid', groups in 'modes.interface', or basis 'eigenmodes'",
+                        key=f"interfaces.{name}.kind",
+                    )
         names = [one.name for one in self.static]
         twice = sorted({name for name in names if names.count(name) > 1})
         if twice:
@@ -242,7 +282,53 @@ class FlexibleBodySection(BodySection):
         if count is not None and len(self.modes.damping_ratio) not in {1, count}:
             reject(f"{len(self.modes.damping_ratio)} values", f"1 or {count}", key="modes.damping_ratio")
         _check_initial(self.frame, self.initial)
+        self._has_stress()
         return self
+
+    def missing_stress(self, name: str, item: str, what: str) -> str:
+        """What a quantity of its stress needs and it does not have, as far as is known before it has a mesh."""
+        if self.stress is None:
+            return f"a table 'stress' of body {name!r}"
+        spot = what == "hot_spot"
+        known = [one.name for one in (self.stress.hot_spots if spot else self.stress.groups)]
+        if not known and not spot:
+            # properties of a structure are known with its mesh only
+            known = ["all"] if self.geometry.type in {"blocks", "step"} else [item]
+        if item not in known:
+            kind = "hot spot" if spot else "group"
+            return f"a {kind} of the stress of {name!r}: {', '.join(known) or 'there are none'}"
+        return ""
+
+    def _has_stress(self) -> None:
+        """Stress needs elements; a grade of steel a thickness, which solids do not have."""
+        if self.stress is None:
+            return
+        given = self.geometry.type
+        if given in {"four_files", "matrices"}:
+            reject(
+                f"with geometry {given!r}, which holds matrices alone",
+                "a body with elements between its nodes, or no 'stress'",
+                key="stress",
+            )
+        if given not in {"blocks", "step"}:
+            return
+        if self.stress.thickness is not None:
+            return
+        words = "is missing: the strength of {} depends on it, and solids have none"
+        if self.stress.grade is not None and not self.stress.groups:
+            reject(
+                words.format(self.stress.grade),
+                "the thickness of the material, or 'yield_strength'",
+                key="stress.thickness",
+            )
+        for index, group in enumerate(self.stress.groups):
+            by_grade = group.grade or (self.stress.grade if group.yield_strength is None else None)
+            if by_grade is not None and group.thickness is None:
+                reject(
+                    words.format(by_grade),
+                    "the thickness of the material, or 'yield_strength'",
+                    key=f"stress.groups.{index}.thickness",
+                )
 
 
 if TYPE_CHECKING:

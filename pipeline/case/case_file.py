@@ -23,8 +23,10 @@ from heavylift.pipeline.case.criteria_table import Criteria
 from heavylift.pipeline.case.equipment import Equipped, equip
 from heavylift.pipeline.case.errors import group_errors, input_errors
 from heavylift.pipeline.case.fields import CaseContext, Section, reject
+from heavylift.pipeline.case.interface_names import put_interface_points
 from heavylift.pipeline.case.meshes import Body, FrameBodySection, ShellBodySection
 from heavylift.pipeline.case.overrides import apply_overrides
+from heavylift.pipeline.case.panels import with_lug_interfaces
 from heavylift.pipeline.case.quantity_names import (
     ACROSS,
     QuantityName,
@@ -376,6 +378,8 @@ class Case(SceneTables, _CaseHeading):
             body = self.bodies[owner]
             if body.BODY.MODAL and body.geometry.type == "four_files":
                 return _NO_ELEMENTS.format(owner)
+            if quantity.item:
+                return body.missing_stress(quantity.owner, quantity.item, quantity.component)
         if quantity.family == "hydrostatics" and self.hulls[quantity.owner].surface is None:
             return f"a hull with a surface, and {quantity.owner!r} has none"
         return ""
@@ -492,9 +496,10 @@ def load_case(
     if overrides:
         check_values(document, file)
     expansion = expand(document, file)
-    equipped = equip(expansion.document, file)
+    placed, unplaced = put_interface_points(with_lug_interfaces(expansion.document), file)
+    equipped = equip(placed, file)
     names = declared(equipped.document)
-    errors = [*expansion.errors, *equipped.errors, *group_errors(equipped.document, file)]
+    errors = [*expansion.errors, *unplaced, *equipped.errors, *group_errors(equipped.document, file)]
     more: list[InputError] = []
     try:
         case = Case.model_validate(equipped.document, context=CaseContext(file.parent, names))

@@ -13,6 +13,7 @@ from heavylift.pipeline.case.channel_kinds import CONTOUR_TYPES
 from heavylift.pipeline.case.described import Chosen, make_section, section_of
 from heavylift.pipeline.case.fields import (
     GROUND,
+    BodyPlace,
     CaseContext,
     LengthVector,
     Positive,
@@ -53,9 +54,9 @@ class _ContactPlace(Section):
     """Force or impulse across the contact."""
     between: tuple[str, str]
     """The body that touches, and the contour that it touches."""
-    point: LengthVector | None = None
-    """Point of the body that touches, or the middle of its shape [m], in the coordinates of the geometry; its origin
-    if absent."""
+    point: BodyPlace | None = None
+    """Point of the body that touches, or the middle of its shape [m], in the coordinates of the geometry, or the name
+    of an interface; its origin if absent."""
     at: LengthVector | None = None
     """In place of `point`: where it is at the start [m], in the world."""
     shape: Shape = Field(default_factory=lambda: section_of(PointShape).model_validate({"type": "point"}))

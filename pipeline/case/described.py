@@ -53,6 +53,7 @@ from heavylift.pipeline.case.channel_names import is_pattern
 from heavylift.pipeline.case.columns import read_table
 from heavylift.pipeline.case.fields import (
     BodyName,
+    BodyPlace,
     CaseContext,
     Direction,
     InFolder,
@@ -65,6 +66,7 @@ from heavylift.pipeline.case.fields import (
     refuse_unknown,
     reject,
 )
+from heavylift.pipeline.case.interface_names import POINTS
 from heavylift.solver.scene.connections import JOINTS, Between
 from heavylift.solver.scene.descriptions import (
     DescribedField,
@@ -91,8 +93,9 @@ class BetweenSection(_NamedSection):
 
     between: tuple[SideName, SideName]
     """Its two sides a and b: names of bodies, or ``"ground"`` for the world."""
-    points: tuple[LengthVector, LengthVector]
-    """One point a side [m] in the coordinates of the geometry of the body; of the ground in the world."""
+    points: tuple[BodyPlace, BodyPlace]
+    """One point a side [m] in the coordinates of the geometry of the body, or the name of an interface of it; of the
+    ground in the world."""
 
     DESCRIBED: ClassVar[type[Between]]
 
@@ -243,7 +246,9 @@ def _type(hint: Any, field: DescribedField, parts: Parts, coordinate: str) -> An
     if isinstance(quantity, (WorldDirection, BodyDirection)):
         return Direction
     if isinstance(quantity, BodyPoint):
-        return LengthVector if field.mark(Shape) is None else GenericAlias(tuple, (LengthVector, ...))
+        if field.mark(Shape) is not None:
+            return GenericAlias(tuple, (LengthVector, ...))
+        return BodyPlace if field.name in POINTS else LengthVector
     if isinstance(quantity, NameOf):
         if quantity.what in _LISTS:
             return _LISTS[quantity.what]

@@ -253,8 +253,8 @@ def group_errors(document: dict[str, Any], file: Path) -> list[InputError]:
             continue
         if geometry.get("type") in ("mesh", "matrices"):  # perhaps no text
             continue
-        groups = geometry.get("groups", {})
-        groups = list(groups) if isinstance(groups, dict) else []
+        tables = [geometry.get(key, {}) for key in ("groups", "plates", "stiffeners", "lugs")]
+        groups = [group for table in tables if isinstance(table, dict) for group in table]
         for key, group in _named_groups(body):
             if group not in groups:
                 near = get_close_matches(group, groups, 1)
@@ -273,6 +273,11 @@ def group_errors(document: dict[str, Any], file: Path) -> list[InputError]:
 def _named_groups(body: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
     """Keys of a flexible body that name a group, and the groups."""
     lists = [(f"modes.{key}", body["modes"].get(key)) for key in ("clamp", "interface", "static_groups")]
+    interfaces = body.get("interfaces")
+    for name, interface in interfaces.items() if isinstance(interfaces, dict) else ():
+        group = interface.get("group") if isinstance(interface, dict) else None
+        if isinstance(group, str):
+            yield f"interfaces.{name}.group", group
     rows = [("supports", body.get("supports"))]
     cases = body.get("static")
     for index, row in enumerate(cases if isinstance(cases, list) else ()):

@@ -39,6 +39,7 @@ __all__ = [
     "AngularVelocityVector",
     "AnyOf",
     "BodyName",
+    "BodyPlace",
     "CaseContext",
     "CheckId",
     "Direction",
@@ -177,6 +178,17 @@ _Acceleration = Annotated[float, Quantity("acceleration")]
 _Force = Annotated[float, Quantity("force")]
 LengthVector = tuple[_Length, _Length, _Length]
 """Three quantities of kind length."""
+
+
+class _OrInterface:
+    """Tells editors that the name of an interface may stand in place of a point, which is there before validation."""
+
+    def __get_pydantic_json_schema__(self, core: Any, handler: Any) -> dict[str, Any]:
+        return {"anyOf": [handler(core), {"type": "string", "minLength": 1}]}
+
+
+BodyPlace = Annotated[LengthVector, _OrInterface()]
+"""A point of a body, or in a case file the name of an interface of it."""
 NumberVector = tuple[_Number, _Number, _Number]
 """Three quantities of kind number."""
 VelocityVector = tuple[_Velocity, _Velocity, _Velocity]

@@ -10,6 +10,7 @@ from pydantic import Discriminator, Field, Tag, ValidationInfo, field_validator,
 from heavylift.pipeline.case.described import Chosen, checked, make_section
 from heavylift.pipeline.case.fields import (
     AnyOf,
+    BodyPlace,
     CaseContext,
     Direction,
     LengthVector,
@@ -35,7 +36,7 @@ __all__ = [
 ]
 
 Sides = tuple[SideName, SideName]
-Pair = tuple[LengthVector, LengthVector]
+Pair = tuple[BodyPlace, BodyPlace]
 Axes = tuple[Direction, Direction]
 _COMPLIANCE = Annotated[float, Quantity("compliance", minimum=0.0, closed=True)]
 AnyCompliance = Annotated[
@@ -117,8 +118,8 @@ class PlacedJointSection(JointSection):
     at: LengthVector | None = None
     """Where it is at the start [m], in the world, for both sides."""
     points: Pair | None = None
-    """In place of `at`, one point a side [m] in the coordinates of the geometry of the body; of the ground in the
-    world."""
+    """In place of `at`, one point a side [m] in the coordinates of the geometry of the body, or the name of an
+    interface of it; of the ground in the world."""
 
     @model_validator(mode="after")
     def _has_a_place(self) -> "PlacedJointSection":
@@ -187,7 +188,8 @@ class ApartJointSection(JointSection):
     """What joints have whose two points lie apart."""
 
     points: Pair
-    """One point a side [m] in the coordinates of the geometry of the body; of the ground in the world."""
+    """One point a side [m] in the coordinates of the geometry of the body, or the name of an interface of it; of the
+    ground in the world."""
 
 
 NodeList = Annotated[tuple[NodeNumber, ...], Field(min_length=2)]

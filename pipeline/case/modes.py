@@ -70,7 +70,10 @@ class ModesSection(Section):
     """``eigenmodes``; ``craig_bampton``: constraint modes of `interface` and modes with it held; ``krylov``:
     moment-matching vectors of the static loads; ``stored``: the shapes of geometry ``four_files``."""
     count: Annotated[int, Field(ge=0, strict=True), NoDefault()] = 0
-    """Number of eigenmodes: needed for ``eigenmodes``, with held interface for ``craig_bampton``."""
+    """Number of eigenmodes: needed for ``eigenmodes`` without `up_to`, with held interface for ``craig_bampton``."""
+    up_to: Annotated[float, Positive("frequency")] | None = None
+    """All eigenmodes up to this frequency [Hz], `count` at most if that is given: a plated block has a few global modes
+    below a crowd of modes of its panels, which no count tells apart."""
     clamp: tuple[Name, ...] = ()
     """Groups of nodes that are held; none gives the modes of the free body."""
     select: tuple[Index, ...] = ()
@@ -91,6 +94,8 @@ class ModesSection(Section):
     """With `attach`: where the surface may be touched, in place of the contours."""
     order: Index = 1
     """For ``krylov``: number of blocks of vectors K^-1 b, K^-1 M K^-1 b, ..."""
+    stiffening: bool = False
+    """Whether inertia and weight along the body stiffen or soften it, as centrifugal forces stiffen a blade."""
     damping_ratio: Annotated[
         tuple[DampingRatio, ...],
         BeforeValidator(_listed, json_schema_input_type=DampingRatio | list[DampingRatio]),
@@ -101,18 +106,20 @@ class ModesSection(Section):
 
     @model_validator(mode="after")
     def _fits(self) -> "ModesSection":
-        if self.basis == "eigenmodes" and self.count == 0:
+        if self.basis not in {"eigenmodes", "craig_bampton"} and self.up_to is not None:
+            reject(f"'up_to' with basis {self.basis!r}", "basis 'eigenmodes' or 'craig_bampton'", key="up_to")
+        if self.select and self.up_to is not None:
+            reject("'select' with 'up_to'", "numbers of modes, or a frequency", key="up_to")
+        if self.basis == "eigenmodes" and self.count == 0 and self.up_to is None:
             reject(
                 "is missing" if "count" not in self.model_fields_set else "0",
-                "1 or more eigenmodes",
+                "1 or more eigenmodes, or 'up_to' a frequency",
                 key="count",
             )
         if self.basis in {"eigenmodes", "craig_bampton"} and max(self.select, default=0) > self.count:
             reject(f"'select' requests mode {max(self.select)}", f"numbers up to count = {self.count}")
         if len(set(self.select)) < len(self.select):
             reject(f"'select' = {list(self.select)} repeats a mode", "each mode once")
-        if self.basis == "craig_bampton" and not self.interface:
-            reject("basis 'craig_bampton' without 'interface'", "at least one group as interface")
         if self.basis != "craig_bampton" and self.interface:
             reject(f"'interface' with basis {self.basis!r}", "basis 'craig_bampton'")
         if self.basis == "krylov" and not self.has_static:
@@ -136,6 +143,6 @@ class ModesSection(Section):
     @property
     def vector_count(self) -> int | None:
         """Vectors of the basis, if the case file tells; static vectors may turn out to be dependent."""
-        if self.basis != "eigenmodes" or self.has_static:
+        if self.basis != "eigenmodes" or self.has_static or self.up_to is not None:
             return None
         return len(self.select) or self.count

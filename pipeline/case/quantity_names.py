@@ -9,6 +9,8 @@
 ``static.BODY.CASE.displacement.POINT.AXIS``   displacement of a sensor, ``x``, ``y`` or ``z``
 ``static.BODY.CASE.von_mises``                 largest stress of all nodes; ``static.BODY.CASE.reaction.AXIS``:
                                                resultant of the forces of all supports
+``static.BODY.CASE.buckling``                  factor by which the load may grow until the body buckles, of load
+                                               cases with ``buckling = true``
 ``ringdown.BODY.I``                            frequency of one sinusoid fitted to modal coordinate I
 ``drift.energy``                               also ``momentum``, ``angular_momentum``: largest deviation
                                                from the initial value, relative
@@ -21,6 +23,12 @@
 ``stress.POINT.COMPONENT.STATISTIC``           ``end``, ``min``, ``max``, ``mean`` or ``rms`` over the records of the
                                                stress at a sensor, see below
 ``stress.BODY.von_mises.STATISTIC``            the same of the largest stress of all nodes of a flexible body
+``stress.BODY.GROUP.von_mises.STATISTIC``      largest stress of a group of a flexible body with a table ``stress``;
+                                               ``stress.BODY.GROUP.SIDE.von_mises.STATISTIC`` of plates on one of
+                                               ``top``, ``bottom``, ``membrane``, ``bending``, and ``centre``: the
+                                               membrane at the centres of elements
+``stress.BODY.GROUP.utilisation.STATISTIC``    the same over the yield strength, with a side likewise
+``stress.BODY.SPOT.hot_spot.STATISTIC``        structural stress at a weld toe
 ``frequency.OWNER.KIND[.COMPONENT]``           frequency of one sinusoid about a mean fitted to a channel,
                                                e.g. ``frequency.bead.position.y``
 ``angular_frequency.OWNER.KIND[.COMPONENT]``   the same in rad/s
@@ -129,6 +137,10 @@ STRESSES = {
     "frame": ("axial", "largest"),
 }
 """Components of the stress at a material point, by the type of its body."""
+RECOVERED = {"von_mises": "pressure", "utilisation": "number", "hot_spot": "pressure"}
+"""What is told of a group or a hot spot of a body with a table ``stress``, and the quantity."""
+PLATE_SIDES = ("top", "bottom", "membrane", "bending", "centre")
+"""Sides of plates of such a body."""
 ACROSS = ("largest", "smallest", "norm")  # in this order `heavylift.pipeline.checks.quantities` has them
 """Components that are made of all components of a record."""
 STATISTICS = ("end", "min", "max", "absolute", "mean", "rms", "rate")
@@ -319,6 +331,7 @@ def _static(text: str, parts: list[str], names: Declared | None) -> QuantityName
         "displacement": ("length", 6, tuple("xyz")),
         "reaction": ("force", 5, tuple("xyz")),
         "von_mises": ("pressure", 4, ("von_mises",)),
+        "buckling": ("number", 4, ("buckling",)),
     }
     item = parts[3] if len(parts) > 3 else ""
     quantity, count, components = items.get(item, ("number", 0, ()))
@@ -328,7 +341,7 @@ def _static(text: str, parts: list[str], names: Declared | None) -> QuantityName
             _unknown(text, word, components if len(parts) == count else items),
             expected="static.BODY.CASE.stress.SENSOR.COMPONENT with COMPONENT one of "
             f"{', '.join(STRESSES['flexible'])}, static.BODY.CASE.displacement.SENSOR.AXIS, "
-            "static.BODY.CASE.reaction.AXIS or static.BODY.CASE.von_mises",
+            "static.BODY.CASE.reaction.AXIS, static.BODY.CASE.von_mises or static.BODY.CASE.buckling",
         )
     if count == 6 and names is not None and names.sensors.get(parts[4]) != parts[1]:
         known = ", ".join(name for name, body in names.sensors.items() if body == parts[1])
@@ -393,6 +406,19 @@ def _stress(text: str, parts: list[str], names: Declared | None) -> QuantityName
             expected=f"stress.SENSOR.COMPONENT.STATISTIC with STATISTIC one of {', '.join(statistics)}",
         )
     owner, component = parts[1], ".".join(parts[2:-1])
+    if len(parts) > 4 and (names is None or names.body_types.get(owner) == "flexible"):
+        what = parts[-2]
+        if what in RECOVERED and (
+            len(parts) == 5 or (len(parts) == 6 and parts[3] in PLATE_SIDES and what != "hot_spot")
+        ):
+            unit = KINDS[RECOVERED[what]]
+            return QuantityName(text, "stress", owner, parts[2], ".".join(parts[3:-1]), parts[-1], unit)
+        if names is not None:
+            raise InputError(
+                _unknown(text, what, RECOVERED),
+                expected=f"of {owner!r}: GROUP.von_mises or GROUP.utilisation, of plates also GROUP.SIDE.von_mises "
+                f"with SIDE one of {', '.join(PLATE_SIDES)}, or SPOT.hot_spot",
+            )
     if names is not None and owner in names.names:
         body = names.sensors.get(owner)
         if body is None and names.body_types.get(owner) != "flexible":

@@ -119,3 +119,5 @@ class StaticCaseSection(Section):
     """Name, for quantities and pictures."""
     loads: Annotated[tuple[StaticLoadSection, ...], Field(min_length=1)]
     """Loads that act together."""
+    buckling: bool = False
+    """Find the factor by which all of them may grow until the body buckles."""

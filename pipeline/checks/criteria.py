@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from heavylift.pipeline.case.criteria.results import CriterionResult
     from heavylift.pipeline.checks.quantities import Quantities
     from heavylift.pipeline.results.histories import Results
+    from heavylift.pipeline.results.stress_io import BodyStress
 
 __all__ = ["PHASE", "RecordedRun", "evaluate_criterion", "phase_words"]
 
@@ -96,6 +97,10 @@ class RecordedRun(Run):
             return least if self.inside.all() else self.records
         near = " where it was near enough to be searched" * ("near enough" in least)
         return f"the steps of {self.records}{near}"
+
+    def stress(self, body: str) -> BodyStress:
+        """Stress of a flexible body with a table ``stress``, over the whole run."""
+        return self.quantities.body_stress(body)
 
     def at_rest(self, name: str) -> float:
         """Value of a channel at the time at which the criterion takes it to be at rest."""

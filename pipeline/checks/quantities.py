@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from heavylift.pipeline.case.checks import CheckSection
     from heavylift.pipeline.case.quantity_names import QuantityName
     from heavylift.pipeline.checks.stresses import SolidStresses
+    from heavylift.pipeline.results.stress_io import BodyStress
 
 __all__ = ["CheckResult", "Quantities", "energy_drift", "evaluate_check", "relative_drift"]
 
@@ -153,6 +154,7 @@ class Quantities:
         self._folder = OutputFolder(out)
         self._positions: dict[str, Any] = {}
         self._solids: dict[str, SolidStresses] = {}
+        self._recovered_bodies: dict[str, BodyStress] = {}
         self._stresses: dict[tuple[str, str], NDArray[np.float64]] = {}
         self.bounds: tuple[float | None, float | None] = (None, None)
 
@@ -324,7 +326,7 @@ class Quantities:
         return float(values[self._vector(name, len(values))])
 
     def _static(self, name: QuantityName) -> float:
-        """Of a static load case: stress or displacement of a sensor, largest stress, a component of the reaction."""
+        """Of a static load case: stress or displacement of a sensor, largest stress, reaction, buckling factor."""
         from heavylift.pipeline.checks.stresses import interpolated
 
         state = read_states(self._folder.reduced(name.owner)).get(name.item)
@@ -333,6 +335,10 @@ class Quantities:
         item, _, rest = name.component.partition(".")
         if item == "reaction":
             return float(state.reaction["xyz".index(rest)])
+        if item == "buckling":
+            if state.buckling_factor is None:
+                raise self._missing(name, f"buckling = true in static load case {name.item!r}")
+            return state.buckling_factor
         if item == "von_mises":
             return float(self._solid(name.owner).nodal(state, "von_mises").max())
         point, _, component = rest.rpartition(".")
@@ -400,10 +406,33 @@ class Quantities:
 
     def _stress_history(self, name: QuantityName) -> NDArray[np.float64]:
         """Stress at a sensor, or the largest of a flexible body, at all records [Pa], shape (nt,)."""
+        if name.item:
+            return self._recovered(name)
         key = (name.owner, name.component)
         if key not in self._stresses:
             self._stresses[key] = self._stresses_over_time(name)
         return self._stresses[key]
+
+    def _recovered(self, name: QuantityName) -> NDArray[np.float64]:
+        """Of a group or a hot spot of a body with a table ``stress``, shape (nt,)."""
+        stress = self.body_stress(name.owner)
+        *side, what = name.component.split(".")
+        try:
+            if what == "hot_spot":
+                return stress.hot_spots[name.item]
+            return stress.group(name.item).history("".join(side), used=what == "utilisation")
+        except InputError as error:
+            raise InputError(
+                f"{name.text}: {error.problem}", source=self._case.file, expected=error.expected
+            ) from None
+
+    def body_stress(self, body: str) -> BodyStress:
+        """Stress of a flexible body with a table ``stress`` over the run."""
+        from heavylift.pipeline.checks.body_stress import body_stress
+
+        if body not in self._recovered_bodies:
+            self._recovered_bodies[body] = body_stress(self._case, body, self._folder, self.results)
+        return self._recovered_bodies[body]
 
     def _stresses_over_time(self, name: QuantityName) -> NDArray[np.float64]:
         from heavylift.pipeline.checks.stresses import frame_point_stress, shell_point_stress
@@ -421,7 +450,9 @@ class Quantities:
         from heavylift.pipeline.checks.stresses import SolidStresses
 
         if body not in self._solids:
-            self._solids[body] = SolidStresses(body, self._folder, self._case.file)
+            asked = self._case.bodies[body].stress is not None and self._case.simulate is not None
+            stress = self.body_stress(body) if asked else None
+            self._solids[body] = SolidStresses(body, self._folder, self._case.file, stress)
         return self._solids[body]
 
     def _statistic(self, name: QuantityName, history: NDArray[np.float64]) -> NDArray[np.float64]:

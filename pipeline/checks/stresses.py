@@ -19,16 +19,26 @@ from heavylift.pipeline.results.mesh_results import mesh_body
 from heavylift.pipeline.results.model_io import read_model, read_reduced
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import ArrayLike, NDArray
 
     from heavylift.modal.statics import StaticState
+    from heavylift.modal.stress_points import StressPoints
     from heavylift.pipeline.results.histories import Results
     from heavylift.pipeline.results.mesh_results import MeshShape
     from heavylift.pipeline.results.storage import OutputFolder
+    from heavylift.pipeline.results.stress_io import BodyStress
     from heavylift.preprocess.finite_elements.model import FEModel
     from heavylift.solver.scene.meshes import ShellSide
 
-__all__ = ["SolidStresses", "frame_point_stress", "interpolated", "shell_point_stress"]
+__all__ = [
+    "SolidStresses",
+    "frame_point_stress",
+    "interpolated",
+    "nodal_stresses",
+    "shell_point_stress",
+]
 
 _VALUES = 1_000_000  # stresses handled at once
 
@@ -44,23 +54,49 @@ class SolidStresses:
         Output folder with its model and modes.
     source
         Named in messages.
+    stress
+        Of a body with a table ``stress``: what its static correction adds to the modes.
     """
 
-    def __init__(self, name: str, folder: OutputFolder, source: object) -> None:
+    def __init__(
+        self, name: str, folder: OutputFolder, source: object, stress: BodyStress | None = None
+    ) -> None:
         model = read_model(folder.model(name))
-        if model.mesh is None or model.material is None:
+        if model.structure is None and (model.mesh is None or model.material is None):
             raise InputError(
                 f"{name!r} has no stress: its model has no elements, or not one material",
                 source=str(source),
                 expected="a body with geometry 'blocks', 'step' or 'mesh', of one material",
             )
         self.model, self._name, self._source, self._folder = model, name, source, folder
+        self._stress = stress
         self._states: dict[str, NDArray[np.float64]] = {}
+
+    @cached_property
+    def shapes(self) -> NDArray[np.float64]:
+        """Modes and static corrections in the layout of the model, shape (N, nf)."""
+        from heavylift.pipeline.checks.body_stress import model_columns
+
+        columns = model_columns(read_reduced(self._folder.reduced(self._name)))
+        return columns if self._stress is None else np.hstack([columns, self._stress.correction])
+
+    def coordinates(self, results: Results) -> NDArray[np.float64]:
+        """Of the shapes at all records, shape (records, nf)."""
+        modal = results[f"{self._name}.modal_position"].reshape(len(results.time), -1)
+        return modal if self._stress is None else np.hstack([modal, self._stress.loads])
+
+    @cached_property
+    def _points(self) -> list[StressPoints]:
+        """Of a structure, all of them."""
+        from heavylift.modal.structure_stress import structure_points
+
+        return structure_points(self.model)
 
     @cached_property
     def _modes(self) -> NDArray[np.float64]:
         """Stress at the nodes by modal coordinate, shape (nf, n, 6)."""
-        return self._nodal_stress(read_reduced(self._folder.reduced(self._name)).mode_shapes)
+        n = self.model.node_count
+        return self._nodal_stress(self.shapes[: 3 * n].T.reshape(-1, n, 3))
 
     def _nodal_stress(self, displacements: NDArray[np.float64]) -> NDArray[np.float64]:
         from heavylift.modal.stress import stress_modes
@@ -79,19 +115,32 @@ class SolidStresses:
         """Component of the stress at all nodes under a static load case [Pa], shape (n,)."""
         from heavylift.modal.stress import stress_component
 
+        if self.model.structure is not None:
+            return nodal_stresses(self.model, [state.displacements], [state.rotations], self._points)[0]
         return stress_component(self._of(state), component)
 
     def at(self, state: StaticState, point: ArrayLike, component: str) -> float:
         """Component of the stress at a point under a static load case [Pa]."""
         from heavylift.modal.stress import stress_component
 
+        self._refuse_points()
         stress = interpolated(self.model, self._of(state)[np.newaxis], point, self._source)[0]
         return float(stress_component(stress, component))
+
+    def _refuse_points(self) -> None:
+        if self.model.structure is not None:
+            raise InputError(
+                f"{self._name!r} has plates or beams, whose stress differs from part to part at one point",
+                source=str(self._source),
+                expected="stress.BODY.GROUP.von_mises of a group, or a hot spot, of its table 'stress'",
+            )
 
     def fields(self, amplitudes: NDArray[np.float64], nodes: NDArray[np.int64]) -> NDArray[np.float64]:
         """Von Mises stress of some nodes at modal coordinates, shape (k, nf), [Pa], shape (k, len(nodes))."""
         from heavylift.modal.stress import stress_component
 
+        if self.model.structure is not None:
+            return _at_nodes(self.model, self._points, self.shapes, amplitudes)[:, nodes]
         modes = self._modes[:, nodes]
         found = np.empty((len(amplitudes), len(nodes)))
         size = max(1, _VALUES // max(1, len(nodes)))
@@ -104,7 +153,11 @@ class SolidStresses:
         """Component of the stress at a point, or the largest of all nodes if it is None [Pa], shape (records,)."""
         from heavylift.modal.stress import stress_component
 
-        coordinates = results[f"{self._name}.modal_position"].reshape(len(results.time), -1)
+        coordinates = self.coordinates(results)
+        if point is not None:
+            self._refuse_points()
+        if self.model.structure is not None:
+            return self._largest(coordinates)
         modes = (
             self._modes
             if point is None
@@ -117,6 +170,78 @@ class SolidStresses:
             values = stress_component(np.tensordot(coordinates[part], modes, axes=1), component)
             found[part] = values.max(axis=1)
         return found
+
+    def _largest(self, coordinates: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Largest von Mises stress of a structure at each record [Pa], shape (records,)."""
+        from heavylift.modal.stress_history import PointGroup, recover_stress
+
+        found = np.zeros(len(coordinates))
+        for points in self._points:
+            if points.total.any():
+                group = PointGroup(points.name, np.arange(len(points)))
+                (history,), _ = recover_stress(points, self.shapes, coordinates, [group])
+                np.maximum(found, history.largest[:, points.total].max(axis=1), out=found)
+        return found
+
+
+def nodal_stresses(
+    model: FEModel,
+    displacements: Sequence[NDArray[np.float64]],
+    rotations: Sequence[NDArray[np.float64] | None],
+    points: list[StressPoints] | None = None,
+) -> NDArray[np.float64]:
+    """Von Mises stress at all nodes of a body for some displacements of it.
+
+    Parameters
+    ----------
+    model
+        With its elements.
+    displacements, rotations
+        Of all nodes [m, rad], shapes (n, 3); None where no node has rotations.
+    points
+        Of a structure, where they are known.
+
+    Returns
+    -------
+    NDArray
+        Shape (k, n) [Pa]; of structures the largest of all points of a node, not a number where there is none.
+    """
+    from heavylift.modal.stress import stress_modes, von_mises
+
+    if model.structure is None:
+        assert model.mesh is not None
+        assert model.material is not None
+        return von_mises(stress_modes(model.mesh, model.material, np.array(displacements)))
+    from heavylift.modal.structure_stress import structure_points
+
+    columns = [
+        np.concatenate([moved.ravel(), np.empty(0) if turned is None else turned[model.rotating].ravel()])
+        for moved, turned in zip(displacements, rotations, strict=True)
+    ]
+    found = points if points is not None else structure_points(model)
+    return _at_nodes(model, found, np.column_stack(columns), np.eye(len(columns)))
+
+
+def _at_nodes(
+    model: FEModel,
+    points: list[StressPoints],
+    shapes: NDArray[np.float64],
+    amplitudes: NDArray[np.float64],
+) -> NDArray[np.float64]:
+    """Largest von Mises stress at the nodes of a structure, shape (k, n), for coordinates (k, nf) of shapes (N, nf)."""
+    from heavylift.modal.stress_history import stress_at_records
+    from heavylift.modal.stress_points import largest_at_nodes
+
+    count = len(amplitudes)
+    found = np.empty((count, model.node_count))
+    size = max(1, _VALUES // max(1, sum(map(len, points))))
+    for start in range(0, count, size):
+        part = slice(start, min(start + size, count))
+        mises = [stress_at_records(one, shapes, amplitudes[part])[1] for one in points]
+        for number in range(part.stop - part.start):
+            now = [one[number] for one in mises]
+            found[start + number] = largest_at_nodes(points, now, model.node_count)
+    return found
 
 
 def interpolated(

@@ -15,6 +15,7 @@ from heavylift.pipeline.commands.command_line import (
     Animate,
     CaseArgument,
     CasesArgument,
+    Export,
     Force,
     Json,
     KindNames,
@@ -99,10 +100,12 @@ def modes(
     set_: Set = (),
     force: Force = False,
     quiet: Quiet = False,
+    export: Export = None,
     json: Json = False,
 ) -> int:
     """Finite-element models to reduced bodies; meshes first if needed."""
-    return _stages(("mesh", "modes"), ("modes",), case, out, set_, force=force, quiet=quiet, json=json)
+    stages = ("mesh", "modes")
+    return _stages(stages, ("modes",), case, out, set_, force=force, quiet=quiet, json=json, export=export)
 
 
 @app.command
@@ -358,8 +361,9 @@ def _stages(
     force: bool,
     quiet: bool,
     json: bool,
+    export: Path | None = None,
 ) -> int:
-    """Run stages of a case; `own` are those that ``--force`` repeats."""
+    """Run stages of a case; `own` are those that ``--force`` repeats. Reduced bodies are written to `export`."""
 
     def command(log: "Log") -> int:
         from heavylift.pipeline.stages.stages import load_changed_case, run_case
@@ -373,6 +377,11 @@ def _stages(
             )
         result = run_case(case, out=out, stages=stages, force=own if force else (), log=log)
         outcome, message = result.outcome, result.message
+        exported = None
+        if export is not None and outcome is Outcome.COMPLETED:
+            from heavylift.pipeline.stages.export import export_bodies
+
+            exported = export_bodies(case, result.folder, export, log)
         if outcome is Outcome.COMPLETED and {"simulate", "report"} <= {*own}:  # a whole run is judged
             verdict = result.stages[-1].details["verdict"]
             if not verdict["passed"]:
@@ -384,7 +393,8 @@ def _stages(
             if own == ("simulate",) and last.stage == "simulate" and last.details:
                 print_json({"case": case.name, **last.details})
             else:
-                print_json(_summary(case.name, result, outcome, message))
+                summary = _summary(case.name, result, outcome, message)
+                print_json(summary if exported is None else {**summary, "exported": exported})
         return int(outcome)
 
     return guarded(command, quiet=quiet, json=json)

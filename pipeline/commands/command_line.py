@@ -20,6 +20,7 @@ __all__ = [
     "Animate",
     "CaseArgument",
     "CasesArgument",
+    "Export",
     "Force",
     "Json",
     "KindNames",
@@ -56,6 +57,14 @@ Animate = Annotated[
         name="--animate",
         help="Make the animation of the scene, even if the case has no [report.animation].",
         negative="",
+    ),
+]
+Export = Annotated[
+    Path | None,
+    Parameter(
+        name="--export",
+        help="Folder for the reduced bodies in formats of other programs: netCDF, SID_FEM, four files.",
+        show_default=False,
     ),
 ]
 Force = Annotated[bool, Parameter(name="--force", help="Run even if the inputs are unchanged.", negative="")]

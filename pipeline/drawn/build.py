@@ -16,7 +16,7 @@ from heavylift.numerics.outcome import InputError
 from heavylift.numerics.rotation import rotation_matrix
 from heavylift.pipeline.drawn.contours import ContourShape, contour_shape
 from heavylift.pipeline.drawn.hanging import hanging_line
-from heavylift.pipeline.drawn.outer_surface import feature_edges, surface_from_mesh
+from heavylift.pipeline.drawn.outer_surface import feature_edges, surface_of_model
 from heavylift.pipeline.drawn.rods import rods
 from heavylift.pipeline.drawn.roles import BODY_COLOURS, ROLES
 from heavylift.pipeline.drawn.ropes import rope_points
@@ -54,10 +54,10 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from heavylift.pipeline.case.case_file import Case
+    from heavylift.pipeline.drawn.outer_surface import Surface as OuterSurface
     from heavylift.pipeline.results.histories import Results
     from heavylift.pipeline.results.mesh_results import MeshShape
     from heavylift.pipeline.results.storage import OutputFolder
-    from heavylift.preprocess.finite_elements.mesh import Mesh
     from heavylift.solver.scene.scene import Scene
 
 __all__ = [
@@ -147,18 +147,18 @@ class Sources:
 
     Attributes
     ----------
-    mesh
-        Finite elements of a body with modes, None if it has none; by its name. An `InputError` if they are lost.
+    surface
+        Of a body with modes, None if it has no elements; by its name. An `InputError` if they are lost.
     stresses
-        Of a body by its name, at modal coordinates, shape (k, nf), of some nodes: [Pa], shape (k, n).
+        Of a body by its name, at some records, shape (k,), of some nodes: [Pa], shape (k, n).
     runs
         Motion of frames and shells by name; that of the results if None.
     water
         Whether water is drawn: lines may hang in a scene without.
     """
 
-    mesh: Callable[[str], Mesh | None] = lambda _name: None
-    stresses: Callable[[str, NDArray[np.float64], NDArray[np.int64]], NDArray[np.float64]] | None = None
+    surface: Callable[[str], OuterSurface | None] = lambda _name: None
+    stresses: Callable[[str, NDArray[np.int64], NDArray[np.int64]], NDArray[np.float64]] | None = None
     runs: Mapping[str, MeshRun] | None = None
     water: bool = False
 
@@ -198,17 +198,23 @@ def case_scene(
         Whether joints, sensors, ropes and contacts have labels too, as before a run.
     """
 
-    def mesh(name: str) -> Mesh | None:
+    def surface(name: str) -> OuterSurface | None:
         from heavylift.pipeline.results.model_io import read_model
 
-        return read_model(stages.model(name)).mesh
+        model = read_model(stages.model(name))
+        return surface_of_model(model.mesh, model.structure)
 
-    def stresses(name: str, modal: NDArray[np.float64], nodes: NDArray[np.int64]) -> NDArray[np.float64]:
+    def stresses(name: str, chosen: NDArray[np.int64], nodes: NDArray[np.int64]) -> NDArray[np.float64]:
+        from heavylift.pipeline.checks.body_stress import body_stress
         from heavylift.pipeline.checks.stresses import SolidStresses
 
-        return SolidStresses(name, stages, case.file).fields(modal, nodes)
+        assert results is not None
+        asked = case.bodies[name].stress is not None
+        stress = body_stress(case, name, stages, results) if asked else None
+        solid = SolidStresses(name, stages, case.file, stress)
+        return solid.fields(solid.coordinates(results)[chosen], nodes)
 
-    sources = Sources(mesh, stresses if detail.skin else None, water=case.sea is not None)
+    sources = Sources(surface, stresses if detail.skin else None, water=case.sea is not None)
     return draw_scene(
         scene, results, up=scene_up(case), sources=sources, detail=detail, records=records, marked=marked
     )
@@ -405,14 +411,14 @@ class _Builder:
         modal, skinned, nodal = (self._of(kind) for kind in (d.ModalShape, d.Skin, d.NodalShape))
         for element in modal:
             try:
-                mesh = self.sources.mesh(element.name)
+                surface = self.sources.surface(element.name)
             except InputError as error:
                 self.drawn.notes.append(f"{element.name} is not drawn: {error.problem}.")
                 continue
-            if mesh is None:
+            if surface is None:
                 self.drawn.notes.append(f"{element.name} has no elements and is not drawn.")
                 continue
-            surfaces[element.name] = surface_from_mesh(mesh)
+            surfaces[element.name] = surface
         runs = {element.name: self._run(element) for element in skinned}
         fine: dict[str, Any] = {"most": self.detail.skin} if self.detail.skin else {}
         skins = {
@@ -495,7 +501,7 @@ class _Builder:
         now = self._values(element.amplitudes, self.shapes)
         if now is not None and self.sources.stresses is not None and len(chosen):
             try:
-                stress = self.sources.stresses(element.name, now, chosen)
+                stress = self.sources.stresses(element.name, self.shapes, chosen)
             except InputError as error:
                 self.drawn.notes.append(f"No stresses of {element.name}: {error.problem}.")
             else:

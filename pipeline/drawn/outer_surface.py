@@ -11,8 +11,17 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from heavylift.preprocess.finite_elements.mesh import Mesh
+    from heavylift.preprocess.structures.structure import Structure
 
-__all__ = ["Surface", "feature_edges", "surface_from_mesh", "surface_from_nodes", "surface_from_triangles"]
+__all__ = [
+    "Surface",
+    "feature_edges",
+    "surface_from_mesh",
+    "surface_from_nodes",
+    "surface_from_structure",
+    "surface_from_triangles",
+    "surface_of_model",
+]
 
 # edges of one boundary face, as positions within a row of `Mesh.boundary_faces()`
 _FACE_EDGES = {
@@ -71,6 +80,33 @@ def surface_from_mesh(mesh: Mesh) -> Surface:
     faces = mesh.boundary_faces()
     edges = faces[:, _FACE_EDGES[faces.shape[1]]].reshape(-1, 2)
     return surface_from_triangles(mesh.nodes, mesh.boundary_triangles(), element_edges=edges)
+
+
+def surface_from_structure(structure: Structure) -> Surface:
+    """Plates and outer faces of solids of a structure, with the edges of plates; stiffeners are edges where plates are.
+
+    A structure of beams alone is a cloud of nodes.
+    """
+    triangles = structure.boundary_triangles()
+    if not len(triangles):
+        return surface_from_nodes(structure.nodes)
+    used = np.zeros(structure.node_count, dtype=bool)
+    used[triangles] = True
+    edges = [part.elements[:, [k, (k + 1) % part.elements.shape[1]]] for part in structure.shells
+             for k in range(part.elements.shape[1])]  # fmt: skip
+    edges += [part.elements for part in structure.beams]
+    if structure.solids:
+        # of triangles: the faces of solids have no other edges here
+        edges += [triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]
+    joined = np.concatenate(edges)
+    return surface_from_triangles(structure.nodes, triangles, element_edges=joined[used[joined].all(axis=1)])
+
+
+def surface_of_model(mesh: Mesh | None, structure: Structure | None) -> Surface | None:
+    """Surface of whichever a body has between its nodes; None if they are loose."""
+    if structure is not None:
+        return surface_from_structure(structure)
+    return None if mesh is None else surface_from_mesh(mesh)
 
 
 def surface_from_triangles(

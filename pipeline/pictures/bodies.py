@@ -136,7 +136,7 @@ class Painter:
         displacement
             Of all nodes of the model [m], shape (n, 3).
         stress
-            At all nodes of the model [Pa], shape (n,).
+            At all nodes of the model [Pa], shape (n,); not a number where it is not known.
         title, note
             First and second line of the heading.
         factor
@@ -144,14 +144,14 @@ class Painter:
         """
         if factor is None:
             factor = deformation_scale(displacement, self._surface.diagonal)
-        largest = float(stress.max(initial=0.0))
+        largest = float(np.nanmax(stress, initial=0.0))
         divisor, unit = stress_unit(largest)
         drawing = stress_drawing(
             self._surface, displacement, stress, factor=factor, scale=self._scale, divisor=divisor
         )
         seen = self._surface.pick(stress) / divisor
-        shown = float(seen.max())
-        place = self._surface.nodes[int(np.argmax(seen))] * self._scale
+        shown = float(np.nanmax(seen))
+        place = self._surface.nodes[int(np.nanargmax(seen))] * self._scale
         where = ", ".join(f"{value:.4g}" for value in np.round(place, 6) + 0.0)
         facts = f"largest {shown:.4g} {unit} at ({where}) {self._unit}"
         if largest > divisor * shown * (1.0 + 1.0e-9):

@@ -47,10 +47,11 @@ def stress_limit(stress: NDArray[np.float64]) -> float:
     Re-entrant corners and clamped edges have an infinite stress in linear elasticity; coloured up to there
     the part would be one colour. The picture states the maximum in any case.
     """
-    largest = float(stress.max(initial=0.0))
+    known = stress[np.isfinite(stress)]
+    largest = float(known.max(initial=0.0))
     if largest <= 0.0:
         return 1.0
-    bulk = float(np.quantile(stress, 0.995))
+    bulk = float(np.quantile(known, 0.995))
     return largest if largest <= 1.6 * bulk or bulk <= 0.0 else bulk
 
 
@@ -141,7 +142,7 @@ def stress_drawing(
     displacement
         Of all nodes of the model [m], shape (n, 3).
     stress
-        Equivalent stress at all nodes of the model [Pa], shape (n,).
+        Equivalent stress at all nodes of the model [Pa], shape (n,); not a number where it is not known.
     factor
         Displacements are drawn this many times as large as they are.
     scale

@@ -8,8 +8,10 @@ import numpy as np
 
 from heavylift.modal.reduced import EIGENMODE_RESIDUAL
 from heavylift.numerics.outcome import InputError
+from heavylift.pipeline.checks.stresses import nodal_stresses
 from heavylift.pipeline.report.document import Facts, Figure, Section, Table, Text
 from heavylift.pipeline.report.inputs import body_input_rows, mesh_input_rows
+from heavylift.pipeline.report.interfaces import interface_table
 from heavylift.pipeline.results.model_io import read_model, read_reduced, read_states
 from heavylift.pipeline.results.signals import scaled_unit
 from heavylift.pipeline.results.words import number_words, numbers_words
@@ -22,11 +24,13 @@ if TYPE_CHECKING:
     from heavylift.modal.reduced import ReducedBody
     from heavylift.modal.statics import StaticState
     from heavylift.pipeline.case.case_file import Case
+    from heavylift.pipeline.log import Log
     from heavylift.pipeline.pictures.bodies import Painter
     from heavylift.pipeline.pictures.render import Renderer
     from heavylift.pipeline.report.document import Album
     from heavylift.pipeline.results.histories import Results
     from heavylift.pipeline.results.storage import OutputFolder
+    from heavylift.pipeline.results.stress_io import BodyStress
     from heavylift.preprocess.finite_elements.model import FEModel
 
     Item = Text | Facts | Table | Figure
@@ -36,6 +40,10 @@ __all__ = ["body_sections"]
 _SHEET_MODES = 30  # modes on a contact sheet at most, unless the case asks for more pictures
 _TABLE_MODES = 100  # rows of the table of modes at most
 _NODAL = "At the nodes, as the mean of the elements around."
+_OF_PARTS = (
+    "At the nodes, the largest of both sides of all plates, corners of beams and solids there, each as the mean of its "
+    "own elements around."
+)
 _NOT_EIGENMODES = (
     "“Not an eigenmode”: the vector belongs to the basis but is no eigenmode of the full model (relative residual "
     f"{EIGENMODE_RESIDUAL:g} or more), as static, Krylov, component-mode and stored vectors after the Ritz step. "
@@ -51,6 +59,7 @@ def body_sections(
     results: Results | None,
     renderer: Renderer | None,
     album: Album,
+    log: Log | None = None,
 ) -> list[Section]:
     """Sections on one flexible body, from whatever stages have run.
 
@@ -66,6 +75,8 @@ def body_sections(
         Draws; None on a machine that cannot.
     album
         Takes the pictures.
+    log
+        Told how far the stress over the run is.
     """
     title = f"Flexible body {name}"
     try:
@@ -80,9 +91,9 @@ def body_sections(
         kind = _mesh_words(model)
         file = album.add(
             f"{name}_mesh",
-            painter.mesh(title=f"{name}: {_MODEL[model.mesh is None]}", note=kind, marks=marks),
+            painter.mesh(title=f"{name}: {_shown(model)}", note=kind, marks=marks),
         )
-        caption = f"{_MODEL[model.mesh is None].capitalize()} of {name}: {kind}."
+        caption = f"{_shown(model).capitalize()} of {name}: {kind}."
         items.append(Figure(file, caption + (f" Marked: {', '.join(marks)}." if marks else "")))
     sections = [Section(title, tuple(items))]
     try:
@@ -93,13 +104,21 @@ def body_sections(
     items = [_modes_table(reduced)]
     if not reduced.eigenmode_mask.all():
         items.append(Text(_NOT_EIGENMODES))
+    if reduced.interfaces:
+        items.append(interface_table(reduced))
     if painter is not None:
         items += _mode_figures(case, name, reduced, painter, album)
     sections.append(Section(f"Modes of {name}", tuple(items)))
     if at_rest:
         sections.append(Section(f"Static load cases of {name}", (_static_table(model, at_rest),)))
+    over_run = None
+    if body.stress is not None and results is not None and len(results.time):
+        from heavylift.pipeline.report.stress import stress_of_run
+
+        over_run, items = stress_of_run(case, name, stages, results, painter, album, log)
+        sections.append(Section(f"Stress of {name} over the run", tuple(items)))
     if painter is not None:
-        items = _stress_figures(case, name, model, reduced, at_rest, results, painter, album)
+        items = _stress_figures(case, name, model, reduced, at_rest, results, painter, album, over_run)
         if items:
             sections.append(Section(f"Stress in {name}", tuple(items)))
     return sections
@@ -108,11 +127,11 @@ def body_sections(
 def _painter(case: Case, model: FEModel, renderer: Renderer | None) -> Painter | None:
     if renderer is None:
         return None
-    from heavylift.pipeline.drawn.outer_surface import surface_from_mesh, surface_from_nodes
+    from heavylift.pipeline.drawn.outer_surface import surface_from_nodes, surface_of_model
     from heavylift.pipeline.pictures.bodies import Painter
     from heavylift.pipeline.pictures.camera import choose_view
 
-    surface = surface_from_mesh(model.mesh) if model.mesh is not None else surface_from_nodes(model.nodes)
+    surface = surface_of_model(model.mesh, model.structure) or surface_from_nodes(model.nodes)
     up = None
     if case.gravity is not None and any(case.gravity.acceleration):
         # up is where gravity comes from, if that is near an axis of the body frame
@@ -139,12 +158,22 @@ def _marks(model: FEModel, body: Any) -> dict[str, NDArray[np.int64]]:
     return marks
 
 
-_MODEL = {False: "finite element mesh", True: "nodes of the model"}
-"""What a picture shows, of a model with elements and of one that is matrices alone."""
+def _shown(model: FEModel) -> str:
+    """What a picture shows, of a model with elements and of one that is matrices alone."""
+    bare = model.mesh is None and model.structure is None
+    return "nodes of the model" if bare else "finite element mesh"
 
 
 def _mesh_words(model: FEModel) -> str:
-    nodes = f"{model.node_count} nodes, {3 * model.node_count} degrees of freedom"
+    nodes = f"{model.node_count} nodes, {model.dof_count} degrees of freedom"
+    if model.structure is not None:
+        shells, beams, solids = model.structure.shells, model.structure.beams, model.structure.solids
+        counts = {
+            "plates": sum(len(part.elements) for part in shells),
+            "beams": sum(len(part.elements) for part in beams),
+            "solids": sum(len(part.elements) for part in solids),
+        }
+        return f"{', '.join(f'{count} {word}' for word, count in counts.items() if count)}, {nodes}"
     if model.mesh is None:
         return f"matrices without elements, {nodes}"
     return f"{model.mesh.element_count} {model.mesh.element_type} elements, {nodes}"
@@ -235,8 +264,9 @@ def _modes_table(reduced: ReducedBody) -> Table:
 
 
 def _static_table(model: FEModel, states: Mapping[str, StaticState]) -> Table:
-    """Reaction, largest displacement and what is left of the load, a row each load case."""
+    """Reaction, largest displacement, what is left of the load and buckling factors, a row each load case."""
     rows = []
+    buckled = any(state.buckling_factor is not None for state in states.values())
     for state in states.values():
         size = np.linalg.norm(state.displacements, axis=1)
         place = numbers_words(model.nodes[int(np.argmax(size))].tolist(), "m")
@@ -246,10 +276,20 @@ def _static_table(model: FEModel, states: Mapping[str, StaticState]) -> Table:
                 numbers_words(state.reaction.tolist(), "N"),
                 f"{number_words(float(size.max()), 'm')} at {place}",
                 f"{state.residual:.0e}",
+                *([_factor_words(state.buckling_factor)] if buckled else []),
             )
         )
     columns = ("load case", "reaction of the supports", "largest displacement", "load that is left")
+    if buckled:
+        return Table((*columns, "buckling factor"), tuple(rows), frozenset({3, 4}))
     return Table(columns, tuple(rows), frozenset({3}))
+
+
+def _factor_words(factor: float | None) -> str:
+    """A buckling factor, if it was asked for."""
+    if factor is None:
+        return "not asked for"
+    return f"{factor:.4g}" if np.isfinite(factor) else "none: it does not buckle"
 
 
 def _mode_figures(case: Case, name: str, reduced: ReducedBody, painter: Painter, album: Album) -> list[Item]:
@@ -285,6 +325,7 @@ def _stress_figures(
     results: Results | None,
     painter: Painter,
     album: Album,
+    over_run: BodyStress | None,
 ) -> list[Item]:
     """Von Mises stress of the static load cases, the chosen modes and instants."""
     channel = f"{name}.modal_position"
@@ -292,30 +333,43 @@ def _stress_figures(
     chosen = [number for number in case.report.stress_modes if number <= len(reduced.eigenvalues)]
     if not (chosen or instants or at_rest):
         return []
-    if model.mesh is None or model.material is None:
+    if model.structure is None and (model.mesh is None or model.material is None):
         return [Text("No stress: the model came without elements and material.")]
-    from heavylift.modal.stress import stress_modes, von_mises
-
     frequencies = _frequencies(reduced)
+    turns: list[NDArray[np.float64] | None] = [state.rotations for state in at_rest.values()]
+    kind = _NODAL if model.structure is None else _OF_PARTS
     states: list[tuple[NDArray[np.float64], str, str, str, str]] = []
     for state in at_rest.values():
         title = f"{name}: stress under {state.name}"
-        caption = f"Von Mises stress in {name} under {state.name}. {_NODAL}"
+        caption = f"Von Mises stress in {name} under {state.name}. {kind}"
         states.append((state.displacements, f"{name}_stress_static_{state.name}", title, "at rest", caption))
     for number in chosen:
         shape, words = _scaled_mode(reduced.mode_shapes[number - 1], painter)
         title = f"{name}: stress in mode {number}, {_hertz(frequencies[number - 1])}"
-        caption = f"Von Mises stress of mode {number} of {name} {words}. {_NODAL}"
+        caption = f"Von Mises stress of mode {number} of {name} {words}. {kind}"
         states.append((shape, f"{name}_stress_mode_{number}", title, words, caption))
+        if reduced.mode_rotations is None:
+            turns.append(None)
+        else:
+            mode = reduced.mode_shapes[number - 1]
+            turns.append(
+                float(np.vdot(shape, mode) / np.vdot(mode, mode)) * reduced.mode_rotations[number - 1]
+            )
     for order, (index, words) in enumerate(instants, start=1):
         assert results is not None
         coordinates = results[channel].reshape(len(results.time), -1)[index]
         unit = scaled_unit("s", [results.time[[index]]])
         when = f"t = {results.time[index] / unit.divisor:.6g} {unit.text}"
-        caption = f"Von Mises stress in {name} at {when}{f', {words}' if words else ''}; body frame. {_NODAL}"
+        caption = f"Von Mises stress in {name} at {when}{f', {words}' if words else ''}; body frame. {kind}"
         shape = np.tensordot(coordinates, reduced.mode_shapes, axes=1)
+        turn = None
+        if reduced.mode_rotations is not None:
+            turn = np.tensordot(coordinates, reduced.mode_rotations, axes=1)
+        if over_run is not None and over_run.loads.shape[1]:
+            shape, turn = over_run.corrected(index, shape, turn, reduced.rotating)
+        turns.append(turn)
         states.append((shape, f"{name}_stress_time_{order}", f"{name}: stress at {when}", words, caption))
-    stresses = von_mises(stress_modes(model.mesh, model.material, np.array([state[0] for state in states])))
+    stresses = nodal_stresses(model, [state[0] for state in states], turns)
     return [
         Figure(album.add(file, painter.stress(shape, stress, title=title, note=note)), caption)
         for (shape, file, title, note, caption), stress in zip(states, stresses, strict=True)

@@ -112,7 +112,7 @@ def write_report(
     try:
         stills = still_sections(case, stages, results, renderer, album, log)
         for name, body in flexible.items():
-            sections += body_sections(case, name, body, stages, results, renderer, album)
+            sections += body_sections(case, name, body, stages, results, renderer, album, log)
         sections += scene_sections(case, stages, results, renderer, album, log)
         touches = contact_sections(case, stages, results, renderer, album)
         touches += collision_sections(case, stages, results, renderer, album)

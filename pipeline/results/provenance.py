@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, get_args
 from heavylift.pipeline.case.connectivity import connected_to_hull
 from heavylift.pipeline.case.fields import InFolder, Section
 from heavylift.pipeline.case.geometry import MatricesGeometry
+from heavylift.pipeline.case.interfaces import holding_joints
 from heavylift.pipeline.case.tables import SceneTables
 from heavylift.pipeline.results.storage import digest_file, digest_json, read_json
 
@@ -62,6 +63,14 @@ STAGE_SOURCES = {
         "pipeline/results/mesh_results.py",
         "pipeline/stages/advance.py",
         "pipeline/stages/simulate.py",
+    ),
+    "stress": (
+        "modal",
+        "preprocess/structures",
+        "pipeline/case/steel.py",
+        "pipeline/case/yield_strengths.csv",
+        "pipeline/checks/body_stress.py",
+        "pipeline/results/stress_io.py",
     ),
     "report": ("pipeline",),
     "surfaces": (
@@ -175,8 +184,8 @@ def _with_includes(case: Case, name: str) -> dict[str, str]:
 def modes_digest(case: Case, body: FlexibleBodySection) -> str:
     """Digest of all that the reduced body depends on."""
     reduction = body.modes.model_dump(mode="json", exclude={"damping_ratio", "stiffness_damping"})
+    owner = next(name for name, other in case.bodies.items() if other is body)
     if body.modes.attach and not body.modes.patches:
-        owner = next(name for name, other in case.bodies.items() if other is body)
         own = {name: contour for name, contour in case.contours.items() if contour.body == owner}
         reduction["contour sources"] = source_digest("contour nodes")
         reduction["contours"] = {
@@ -186,6 +195,10 @@ def modes_digest(case: Case, body: FlexibleBodySection) -> str:
             }
             for name, contour in own.items()
         }
+    held = [joint.model_dump(mode="json") for _, joint in holding_joints(case.joints, owner)]
+    if held:  # their places in the body depend on where it starts
+        frames = (body.frame, body.initial)
+        reduction["held"] = [*held, *(section.model_dump(mode="json") for section in frames)]
     return _digest(
         "modes",
         {
@@ -193,6 +206,7 @@ def modes_digest(case: Case, body: FlexibleBodySection) -> str:
             "modes": reduction,
             "supports": [support.model_dump(mode="json") for support in body.supports],
             "static": [one.model_dump(mode="json") for one in body.static],
+            "interfaces": {name: one.model_dump(mode="json") for name, one in body.interfaces.items()},
             "origin": body.frame.origin,
             "free": body.frame.motion == "free",
         },

@@ -61,7 +61,7 @@ class OutputFolder:
     @property
     def folders(self) -> tuple[Path, ...]:
         """Where files are made, replaced and removed: the root, and what is below it, a folder before its parts."""
-        stages = ("check", "mesh", "modes", "simulate", "report", "draw", "export")
+        stages = ("check", "mesh", "modes", "simulate", "stress", "report", "draw", "export")
         return (self.root, *(self.root / name for name in stages), self.segments)
 
     def stage(self, *names: str) -> Path:
@@ -120,6 +120,10 @@ class OutputFolder:
     def reduced(self, body: str) -> Path:
         """Reduced body."""
         return self.root / "modes" / f"{body}.h5"
+
+    def stress(self, body: str) -> Path:
+        """Stress of a flexible body over the run."""
+        return self.root / "stress" / f"{body}.h5"
 
     @property
     def results(self) -> Path:

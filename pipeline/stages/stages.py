@@ -338,9 +338,10 @@ def modes_stage(work: Work) -> StageReport:
         from heavylift.pipeline.results.model_io import read_model, write_reduced
 
         model = work.models.pop(name, None) or read_model(work.folder.model(name))
-        reduced, origin, states = reduce_model(work.case, body, model, work.folder)
-        write_reduced(work.folder.reduced(name), reduced, {**header, "frame_origin": origin}, states)
-        return reduced_properties(reduced, states)
+        found = reduce_model(work.case, body, model, work.folder)
+        header = {**header, "frame_origin": found.origin}
+        write_reduced(work.folder.reduced(name), found.body, header, found.states)
+        return reduced_properties(found)
 
     return _body_stage(work, "modes", work.folder.reduced, modes_digest, make)
 

@@ -28,11 +28,18 @@ from __future__ import annotations
 import re
 from collections import Counter
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, NoReturn
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from heavylift.numerics.outcome import InputError
+from heavylift.preprocess.finite_elements.abaqus_frame import (
+    FRAME_KEYWORDS,
+    Card,
+    FrameMaker,
+    general_key,
+    general_material,
+)
 from heavylift.preprocess.finite_elements.deck import (
     Deck,
     DeckLines,
@@ -47,6 +54,8 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from heavylift.preprocess.finite_elements.deck_parts import DeckFrame
+
 __all__ = ["INPUT_IS_DATA", "read_abaqus_deck"]
 
 INPUT_IS_DATA = frozenset(
@@ -58,30 +67,14 @@ INPUT_IS_DATA = frozenset(
 # ---- text ----
 
 
-@dataclass
-class _Card:
-    """A keyword with its parameters and data lines."""
-
-    keyword: str  # upper case, without blanks
-    shown: str
-    parameters: dict[str, str]
-    file: Path
-    line: int
-    data: list[tuple[Path, int, list[str]]] = field(default_factory=list)
-
-    def fail(self, problem: str, expected: str, at: tuple[Path, int] | None = None) -> NoReturn:
-        file, line = at or (self.file, self.line)
-        raise InputError(f"*{self.shown}: {problem}", source=file, key=f"line {line}", expected=expected)
-
-
 _FIELD = re.compile(r'(?:[^,"]|"[^"]*")+')
 # a line that continues with a keyword: parameters, and no data as it is
 _PARAMETERS = re.compile(r"[A-Za-z][A-Za-z ]*=|(GENERATE|INTERNAL|UNSORTED)\s*(,|$)", re.IGNORECASE)
 
 
-def _cards(deck: Path, root: Path) -> Iterator[_Card]:
+def _cards(deck: Path, root: Path) -> Iterator[Card]:
     """Keywords of a file and of what it includes, in order."""
-    card: _Card | None = None
+    card: Card | None = None
     goes_on = False
     lines = DeckLines(deck, root, _without_comments, _included)
     for file, number, line in lines.of(deck):
@@ -121,13 +114,13 @@ def _included(line: str, file: Path, number: int) -> str | None:
     return None
 
 
-def _header(text: str, file: Path, line: int) -> _Card:
+def _header(text: str, file: Path, line: int) -> Card:
     shown, *parameters = [part.strip() for part in _FIELD.findall(" " + text.lstrip("*"))]
     found = {}
     for parameter in parameters:
         key, _, value = parameter.partition("=")
         found["".join(key.split()).upper()] = value.strip().strip('"').strip()
-    return _Card("".join(shown.split()).upper(), " ".join(shown.split()).upper(), found, file, line)
+    return Card("".join(shown.split()).upper(), " ".join(shown.split()).upper(), found, file, line)
 
 
 def _fields(line: str) -> list[str]:
@@ -244,7 +237,7 @@ class _Set:
 
 
 @dataclass
-class _Scope:
+class Scope:
     """A part, or a deck without parts."""
 
     name: str = ""
@@ -254,6 +247,9 @@ class _Scope:
     element_sets: dict[str, list[_Set]] = field(default_factory=dict)
     surfaces: dict[str, tuple[str, list[list[str]]]] = field(default_factory=dict)
     sections: list[tuple[str, str]] = field(default_factory=list)  # set of elements, material of solids
+    frame_cards: list[Card] = field(default_factory=list)  # of plates, beams, masses and rigid elements
+    third_nodes: dict[int, int] = field(default_factory=dict)  # of beams, for their direction n1
+    point_nodes: dict[int, str] = field(default_factory=dict)  # of masses: a node, or one of an instance
 
 
 @dataclass
@@ -261,7 +257,7 @@ class _Instance:
     """A part where it stands."""
 
     name: str
-    part: _Scope
+    part: Scope
     rotation: NDArray[np.float64] = field(default_factory=lambda: np.eye(3))
     offset: NDArray[np.float64] = field(default_factory=lambda: np.zeros(3))
 
@@ -405,17 +401,17 @@ class _Reader:
     """Takes one keyword after the other."""
 
     def __init__(self) -> None:
-        self.flat = _Scope()
-        self.parts: dict[str, _Scope] = {}
-        self.assembly = _Scope()
+        self.flat = Scope()
+        self.parts: dict[str, Scope] = {}
+        self.assembly = Scope()
         self.instances: dict[str, _Instance] = {}
         self.instance: _Instance | None = None
-        self.on_instance: list[_Card] = []  # sections and surfaces within the present one
+        self.on_instance: list[Card] = []  # sections and surfaces within the present one
         self.scope = self.flat
         self.materials: dict[str, _Material] = {}
         self.material: _Material | None = None
         # the latter, the earlier material of its name, and this one
-        self.redefined: list[tuple[_Card, _Material, _Material]] = []
+        self.redefined: list[tuple[Card, _Material, _Material]] = []
         self.left_out: list[str] = []
         self.constraints: Counter[str] = Counter()
         self.held: list[tuple[str, int, int]] = []
@@ -424,7 +420,7 @@ class _Reader:
         self.unknown_sets: dict[str, None] = {}
         self.system: tuple[NDArray[np.float64], NDArray[np.float64]] | None = None
         self.in_steps = False
-        self.verbs: dict[str, Callable[[_Card], None]] = {
+        self.verbs: dict[str, Callable[[Card], None]] = {
             "NODE": self._node,
             "ELEMENT": self._element,
             "NSET": self._node_set,
@@ -443,7 +439,7 @@ class _Reader:
             "DENSITY": self._density,
         }
 
-    def take(self, card: _Card) -> None:
+    def take(self, card: Card) -> None:
         """One keyword."""
         key = card.keyword
         if key in _CONSTRAINTS:
@@ -466,6 +462,8 @@ class _Reader:
                 f"{_GENERATORS[key]} are generated by the program that the deck is for",
                 "a deck that lists its nodes and elements",
             )
+        if key in FRAME_KEYWORDS:
+            self.scope.frame_cards.append(card)
         if key in self.verbs:
             self.verbs[key](card)
         elif key in {"MATRIXINPUT", "MATRIXASSEMBLE"}:
@@ -482,7 +480,7 @@ class _Reader:
 
     # -- mesh --
 
-    def _node(self, card: _Card) -> None:
+    def _node(self, card: Card) -> None:
         system = card.parameters.get("SYSTEM", "R").upper()
         if system not in {"R", "C", "S"}:
             card.fail(f"SYSTEM={system}", "R (Cartesian), C (cylindrical) or S (spherical)")
@@ -510,7 +508,7 @@ class _Reader:
             x = (origin + np.array(x) @ axes).tolist()
         return (float(x[0]), float(x[1]), float(x[2]))
 
-    def _system(self, card: _Card) -> None:
+    def _system(self, card: Card) -> None:
         """Local axes of the nodes that follow: origin, a point of the x axis, a point near the y axis."""
         values = [value for file, line, words in card.data for value in _reals(card, words, (file, line))]
         if not values:
@@ -529,7 +527,7 @@ class _Reader:
         axes = np.array([x, np.cross(z, x), z])
         self.system = (points[0], axes / np.linalg.norm(axes, axis=1)[:, None])
 
-    def _element(self, card: _Card) -> None:
+    def _element(self, card: Card) -> None:
         name = card.parameters.get("TYPE", "").upper()
         if not name:
             card.fail("no TYPE", "TYPE=C3D8 or TYPE=C3D10")
@@ -548,6 +546,11 @@ class _Reader:
                 continue
             if width is not None and len(pending) > width + 1 and _SOLID.match(name):
                 self.extra[name] += 1
+            if width is not None and len(pending) > width + 1 and name.startswith("B3"):
+                label, third = _whole(
+                    card, [pending[0], pending[width + 1]], at, "whole numbers: element and nodes"
+                )
+                self.scope.third_nodes[label] = third
             self._one_element(card, name, pending[: None if width is None else width + 1], at, members)
             pending = []
         if pending:
@@ -558,13 +561,15 @@ class _Reader:
             )
 
     def _one_element(
-        self, card: _Card, name: str, words: list[str], at: tuple[Path, int], members: _Set | None
+        self, card: Card, name: str, words: list[str], at: tuple[Path, int], members: _Set | None
     ) -> None:
         # couplings and the like may name other items than nodes: their number is enough
         named = _numbers_of(name) is not None
         label, *nodes = _whole(
             card, words if named else words[:1], at, f"whole numbers: element and nodes of {name}"
         )
+        if name in {"MASS", "ROTARYI"} and len(words) > 1:
+            self.scope.point_nodes[label] = words[1].strip('"')
         known = self.scope.elements.get(label)
         if known is not None and known != (name, tuple(nodes)):
             card.fail(f"element {label} is defined twice", "every element once", at)
@@ -574,7 +579,7 @@ class _Reader:
 
     # -- sets --
 
-    def _node_set(self, card: _Card) -> None:
+    def _node_set(self, card: Card) -> None:
         name = card.parameters.get("NSET", "")
         if not name:
             card.fail("no name", "NSET=...")
@@ -583,13 +588,13 @@ class _Reader:
             found.of_elements.append(card.parameters["ELSET"])
         self._members(card, found)
 
-    def _element_set(self, card: _Card) -> None:
+    def _element_set(self, card: Card) -> None:
         name = card.parameters.get("ELSET", "")
         if not name:
             card.fail("no name", "ELSET=...")
         self._members(card, _add(self.scope.element_sets, name, card.parameters.get("INSTANCE", "").upper()))
 
-    def _members(self, card: _Card, found: _Set) -> None:
+    def _members(self, card: Card, found: _Set) -> None:
         for file, line, words in card.data:
             if "GENERATE" in card.parameters and words and _is_whole(words[0]):
                 numbers = _whole(card, words[:3], (file, line), "whole numbers: first, last and step")
@@ -605,7 +610,7 @@ class _Reader:
                 else:
                     found.items.append(word.strip('"').strip())
 
-    def _surface(self, card: _Card) -> None:
+    def _surface(self, card: Card) -> None:
         name = card.parameters.get("NAME", "")
         kind = card.parameters.get("TYPE", "ELEMENT").upper()
         if self.instance is not None:
@@ -614,7 +619,7 @@ class _Reader:
             rows = self.scope.surfaces.setdefault(name, (kind, []))[1]
             rows += [[word.strip('"').strip() for word in words] for _, _, words in card.data if words]
 
-    def _hold(self, card: _Card) -> None:
+    def _hold(self, card: Card) -> None:
         """Directions that the file holds; kinds of supports by name as far as they hold displacements."""
         named = {"ENCASTRE": (1, 3), "PINNED": (1, 3), "XSYMM": (1, 1), "YSYMM": (2, 2), "ZSYMM": (3, 3)}
         for _, _, words in card.data:
@@ -629,20 +634,20 @@ class _Reader:
 
     # -- parts --
 
-    def _part(self, card: _Card) -> None:
+    def _part(self, card: Card) -> None:
         name = card.parameters.get("NAME", "")
         if name.upper() in self.parts:
             card.fail(f"part {name!r} is defined twice", "every part once")
-        self.scope = self.parts[name.upper()] = _Scope(name)
+        self.scope = self.parts[name.upper()] = Scope(name)
 
-    def _end_part(self, _card: _Card) -> None:
+    def _end_part(self, _card: Card) -> None:
         self.scope = self.flat
         self.system = None
 
-    def _begin_assembly(self, _card: _Card) -> None:
+    def _begin_assembly(self, _card: Card) -> None:
         self.scope = self.assembly
 
-    def _instance(self, card: _Card) -> None:
+    def _instance(self, card: Card) -> None:
         name, part = card.parameters.get("NAME", ""), card.parameters.get("PART", "")
         if part.upper() not in self.parts:
             known = ", ".join(repr(one.name) for one in self.parts.values())
@@ -664,10 +669,10 @@ class _Reader:
             made.rotation = _turn(b - a, np.radians(values[6]))
             made.offset = a + made.rotation @ (made.offset - a)
         self.instances[name.upper()] = made
-        self.instance, self.scope = made, _Scope(name)
+        self.instance, self.scope = made, Scope(name)
         self.on_instance = []
 
-    def _end_instance(self, _card: _Card) -> None:
+    def _end_instance(self, _card: Card) -> None:
         made, own = self.instance, self.scope
         if made is not None and (own.nodes or own.elements):  # an independent instance has the mesh itself
             made.part = own
@@ -682,12 +687,13 @@ class _Reader:
                 made.part,
                 node_sets=_joined(made.part.node_sets, own.node_sets),
                 element_sets=_joined(made.part.element_sets, own.element_sets),
+                frame_cards=[*made.part.frame_cards, *own.frame_cards],
             )
         self.instance, self.scope = None, self.assembly
 
     # -- materials --
 
-    def _section(self, card: _Card) -> None:
+    def _section(self, card: Card) -> None:
         elements, material = card.parameters.get("ELSET", ""), card.parameters.get("MATERIAL", "")
         if self.instance is not None:
             self.on_instance.append(card)
@@ -697,14 +703,14 @@ class _Reader:
             note = f"left out: *{card.shown} of line {card.line}, material {material!r}: it has no ELSET"
             self.left_out.append(note)
 
-    def _begin_material(self, card: _Card) -> None:
+    def _begin_material(self, card: Card) -> None:
         name = card.parameters.get("NAME", "")
         earlier = self.materials.get(name.upper())
         self.material = self.materials[name.upper()] = _Material(name)
         if earlier is not None:
             self.redefined.append((card, earlier, self.material))
 
-    def _elastic(self, card: _Card) -> None:
+    def _elastic(self, card: Card) -> None:
         if self.material is None:
             return
         kind = "".join(card.parameters.get("TYPE", "ISO").split()).upper()
@@ -722,7 +728,7 @@ class _Reader:
         self.material.elastic = rows[0]
         self._say_row(rows, 2, "elasticity")
 
-    def _density(self, card: _Card) -> None:
+    def _density(self, card: Card) -> None:
         if self.material is None:
             return
         rows = [_reals(card, words, (file, line)) for file, line, words in card.data if words]
@@ -750,16 +756,31 @@ class _Reader:
         if self.parts and not self.instances:  # parts of which nobody says where they stand
             placed += [_Instance(part.name, part) for part in self.parts.values()]
         own = self.assembly
-        if own.nodes or own.elements or own.element_sets or own.node_sets or own.surfaces or own.sections:
+        if not any(one.part is self.flat for one in placed):  # behind the assembly
+            own.frame_cards += self.flat.frame_cards
+        if (
+            own.frame_cards
+            or own.nodes
+            or own.elements
+            or own.element_sets
+            or own.node_sets
+            or own.surfaces
+            or own.sections
+        ):
             placed.append(_Instance("", self.assembly))
-        return _Assembler(self, placed).deck(path)
+        return Assembler(self, placed).deck(path)
+
+    def constraints_note(self, which: Callable[[str], bool]) -> str:
+        """What of constraints and contacts is left out; ``""`` if nothing is."""
+        words = ", ".join(f"{n} *{key}" for key, n in self.constraints.items() if which(key))
+        return words and f"constraints and contacts of the file are left out, the case has its own: {words}"
 
 
 MOST_PLACED = 50_000_000
 """Nodes and elements of all instances of a deck."""
 
 
-class _Assembler:
+class Assembler:
     """From parts in place to one numbering of nodes and elements."""
 
     def __init__(self, reader: _Reader, placed: list[_Instance]) -> None:
@@ -771,6 +792,10 @@ class _Assembler:
         self.blocks: list[ElementBlock] = []
         self.node_of: list[NDArray[np.int64]] = []
         self.kind_of: list[str] = []
+        self.flat: list[bool] = []
+        self.owners: dict[int, tuple[int, int]] = {}
+        self.material_names: dict[str, int] = {}
+        self.frame_materials: list[DeckMaterial] = []
         self.known_sets: dict[tuple[int, int | None, str, bool], NDArray[np.int64]] = {}
 
     def deck(self, path: Path) -> Deck:
@@ -778,15 +803,14 @@ class _Assembler:
         self._number_elements(path)
         self.node_of = [row for block in self.blocks for row in block.nodes]
         self.kind_of = [block.kind for block in self.blocks for _ in block.labels]
+        self.flat = [block.shape in {"triangle", "quad"} for block in self.blocks for _ in block.labels]
         element_sets, node_sets = self._sets()
         index, materials = self._materials()
         self._without_section()
         held = self._held()
         reader = self.reader
         notes = []
-        if reader.constraints:
-            words = ", ".join(f"{n} *{key}" for key, n in reader.constraints.items())
-            notes.append(f"constraints and contacts of the file are left out, the case has its own: {words}")
+        notes += [reader.constraints_note(lambda _: True)] if reader.constraints else []
         if reader.sectors:
             notes.append(f"cyclic symmetry is left out: the body is one sector of {reader.sectors}")
         notes += reader.left_out
@@ -817,12 +841,105 @@ class _Assembler:
             tuple(notes),
             node_labels=labels,
             held=held,
+            make_frame=self._frame_maker(),
         )
+
+    # -- for plates, beams, masses and rigid elements --
+
+    def _frame_maker(self) -> Callable[[], DeckFrame] | None:
+        """Make the frame, when somebody asks; None if there is nothing for one."""
+        frame = {"shell elements", "beam elements"}
+        some = any(one.part.frame_cards for one in self.placed)
+        some |= any(block.words.removesuffix(" without section") in frame for block in self.blocks)
+        return (lambda: FrameMaker(self, self.material_names).frame()) if some else None
+
+    def elements_of(self, scope: Scope, place: int | None, name: str) -> NDArray[np.int64]:
+        """Elements of a set by its name as a part says it."""
+        return self._elements(scope, place, name)
+
+    def named_nodes(self, scope: Scope, place: int | None, word: str) -> NDArray[np.int64]:
+        """Rows of a node, of a node of an instance or of a set."""
+        word = word.strip('"').strip()
+        if _is_whole(word):
+            return self._surface_members(scope, place, word, nodes=True)
+        elsewhere = self._elsewhere(word, place)
+        if elsewhere is not None and _is_whole(elsewhere[2]):
+            return self._surface_members(elsewhere[0], elsewhere[1], elsewhere[2], nodes=True)
+        if elsewhere is None and word.upper() not in scope.node_sets:
+            return np.empty(0, dtype=np.int64)
+        whose, inside, name = elsewhere or (scope, place, word)
+        return self._nodes(whose, inside, name)
+
+    def surface_nodes(
+        self, scope: Scope, place: int | None, name: str
+    ) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+        """Rows of a surface, and the area that belongs to each of them (1 of surfaces of nodes)."""
+        whose, inside, tail = self._elsewhere(name, place) or (scope, place, name)
+        surface = next((one for have, one in whose.surfaces.items() if have.upper() == tail.upper()), None)
+        if surface is None:
+            return np.empty(0, dtype=np.int64), np.empty(0)
+        faces = self._faces(whose, inside, surface)
+        if surface[0] == "NODE":
+            rows = _unique(faces)
+            return rows, np.ones(rows.size)
+        points = np.vstack(self.points)
+        area = np.zeros(len(points))
+        for face in faces:
+            corners = points[face[:4] if len(face) in {4, 8} else face[:3]]
+            a = corners[2] - corners[0]
+            b = corners[3] - corners[1] if len(corners) == 4 else corners[1] - corners[0]
+            area[face] += 0.5 * np.linalg.norm(np.cross(a, b)) / len(face)
+        rows = _unique(faces)
+        return rows, area[rows]
+
+    def numbered_blocks(self) -> list[tuple[int, ElementBlock]]:
+        """First number of each block, and the block."""
+        starts = np.cumsum([0, *(len(block.labels) for block in self.blocks)])
+        return list(zip(starts.tolist(), self.blocks, strict=False))
+
+    def element_label(self, index: int) -> str:
+        """Number of an element in the file."""
+        start, block = next(pair for pair in reversed(self.numbered_blocks()) if pair[0] <= index)
+        return str(block.labels[index - start])
+
+    def node_label(self, row: int) -> str:
+        """Number of a node in the file."""
+        for one, known in zip(self.placed, self.node_row, strict=True):
+            for label, at in known.items():
+                if at == row:
+                    return f"{one.name}.{label}" if one.name else str(label)
+        return str(row)
+
+    def _owner(self, index: int) -> tuple[int, int]:
+        """Place and number in its part of an element."""
+        if not self.owners:
+            self.owners = {
+                row: (place, label)
+                for place, known in enumerate(self.element_row)
+                for label, row in known.items()
+            }
+        return self.owners[index]
+
+    def third_node(self, index: int) -> int | None:
+        """Row of the third node of a beam, for its direction."""
+        place, label = self._owner(index)
+        third = self.placed[place].part.third_nodes.get(label)
+        return None if third is None else self.node_row[place].get(third)
+
+    def point_element(self, index: int, card: Card) -> NDArray[np.int64]:
+        """Row of the node of a mass element."""
+        place, label = self._owner(index)
+        part = self.placed[place].part
+        word = part.point_nodes.get(label, "")
+        found = self.named_nodes(part, place, word)
+        if not found.size:
+            card.fail(f"element {label}: node {word!r} does not exist", "nodes that the deck defines")
+        return found
 
     def _held(self) -> NDArray[np.int64]:
         """Degrees of freedom that the file holds."""
         found = [np.empty(0, dtype=np.int64)]
-        scopes: list[tuple[_Scope, int | None]] = [
+        scopes: list[tuple[Scope, int | None]] = [
             (one.part, place) for place, one in enumerate(self.placed) if not one.name
         ]
         for word, first, last in self.reader.held:
@@ -918,19 +1035,19 @@ class _Assembler:
                 return place
         return None
 
-    def _elsewhere(self, word: str, place: int | None) -> tuple[_Scope, int | None, str] | None:
+    def _elsewhere(self, word: str, place: int | None) -> tuple[Scope, int | None, str] | None:
         """Scope of a name ``instance.name``, as sets of an assembly use it."""
         instance, dot, name = word.rpartition(".")
         found = self._place(instance) if dot else None
         return None if found is None or found == place else (self.placed[found].part, found, name)
 
-    def _elements(self, scope: _Scope, place: int | None, name: str) -> NDArray[np.int64]:
+    def _elements(self, scope: Scope, place: int | None, name: str) -> NDArray[np.int64]:
         return self._resolve(scope, place, name, nodes=False)
 
-    def _nodes(self, scope: _Scope, place: int | None, name: str) -> NDArray[np.int64]:
+    def _nodes(self, scope: Scope, place: int | None, name: str) -> NDArray[np.int64]:
         return self._resolve(scope, place, name, nodes=True)
 
-    def _resolve(self, scope: _Scope, place: int | None, name: str, *, nodes: bool) -> NDArray[np.int64]:
+    def _resolve(self, scope: Scope, place: int | None, name: str, *, nodes: bool) -> NDArray[np.int64]:
         """Members of a set as rows; what does not exist is passed over, as ranges may have holes.
 
         A set has the members of all that it names, however often and in whatever circle.
@@ -947,7 +1064,7 @@ class _Assembler:
                 found.append(known)
                 continue
             pieces = (scope.node_sets if nodes else scope.element_sets).get(name.upper())
-            named: list[tuple[_Scope, int | None, str]] = []
+            named: list[tuple[Scope, int | None, str]] = []
             if pieces is None:
                 other = self._elsewhere(name, place)
                 if other is None:
@@ -967,15 +1084,15 @@ class _Assembler:
         return self.known_sets[wanted]
 
     def _members(
-        self, scope: _Scope, place: int | None, piece: _Set, *, nodes: bool
-    ) -> tuple[NDArray[np.int64], list[tuple[_Scope, int | None, str]]]:
+        self, scope: Scope, place: int | None, piece: _Set, *, nodes: bool
+    ) -> tuple[NDArray[np.int64], list[tuple[Scope, int | None, str]]]:
         """Rows that a piece of a set lists itself, and the sets that it names."""
         inside = self._place(piece.instance) if piece.instance else place
         whose = self.placed[inside].part if piece.instance and inside is not None else scope
         numbered = self.node_row if nodes else self.element_row
         known = {} if inside is None else numbered[inside]
         rows: list[int] = []
-        named: list[tuple[_Scope, int | None, str]] = []
+        named: list[tuple[Scope, int | None, str]] = []
         for item in piece.items:
             if isinstance(item, str):
                 instance, dot, label = item.rpartition(".")
@@ -1004,11 +1121,14 @@ class _Assembler:
         return _unique([np.array(rows, dtype=np.int64), *of_elements]), named
 
     def _surface(
-        self,
-        scope: _Scope,
-        place: int | None,
-        surface: tuple[str, list[list[str]]],
+        self, scope: Scope, place: int | None, surface: tuple[str, list[list[str]]]
     ) -> NDArray[np.int64]:
+        return _unique(self._faces(scope, place, surface))
+
+    def _faces(
+        self, scope: Scope, place: int | None, surface: tuple[str, list[list[str]]]
+    ) -> list[NDArray[np.int64]]:
+        """Nodes of the faces of a surface; of shells all nodes, of nodes these."""
         kind, rows = surface
         found = []
         for words in rows:
@@ -1021,10 +1141,12 @@ class _Assembler:
                 faces = _FACES.get(self.kind_of[index])
                 if faces is not None and re.fullmatch(r"S[1-6]", side) and int(side[1]) <= len(faces):
                     found.append(self.node_of[index][list(faces[int(side[1]) - 1])])
-        return _unique(found)
+                elif faces is None and side in {"", "SPOS", "SNEG"} and self.flat[index]:
+                    found.append(self.node_of[index])
+        return found
 
     def _surface_members(
-        self, scope: _Scope, place: int | None, word: str, *, nodes: bool
+        self, scope: Scope, place: int | None, word: str, *, nodes: bool
     ) -> NDArray[np.int64]:
         if _is_whole(word):
             known = {} if place is None else (self.node_row if nodes else self.element_row)[place]
@@ -1057,7 +1179,20 @@ class _Assembler:
                 if material.upper() in self.reader.materials:
                     number = names.setdefault(material.upper(), len(names))
                     index[self._elements(one.part, place, elements)] = number
-        return index, [_deck_material(self.reader.materials[name]) for name in names]
+        made = [_deck_material(self.reader.materials[name]) for name in names]
+        for one in self.placed:  # of plates and beams, behind those of solids
+            for card in one.part.frame_cards:
+                name = card.parameters.get("MATERIAL", "").upper()
+                if card.keyword == "BEAMGENERALSECTION":
+                    name = general_key(card)
+                    if name not in names:
+                        names[name] = len(made)
+                        made.append(general_material(card))
+                elif card.keyword.endswith("SECTION") and name in self.reader.materials and name not in names:
+                    names[name] = len(made)
+                    made.append(_deck_material(self.reader.materials[name]))
+        self.material_names, self.frame_materials = names, made
+        return index, made
 
 
 def _deck_material(spec: _Material) -> DeckMaterial:
@@ -1088,7 +1223,7 @@ def _turn(axis: NDArray[np.float64], angle: float) -> NDArray[np.float64]:
     return np.eye(3) + np.sin(angle) * K + (1.0 - np.cos(angle)) * (K @ K)
 
 
-def _first_place(card: _Card) -> tuple[Path, int]:
+def _first_place(card: Card) -> tuple[Path, int]:
     return (card.data[0][0], card.data[0][1]) if card.data else (card.file, card.line)
 
 
@@ -1099,7 +1234,7 @@ def _is_whole(word: str) -> bool:
     return _WHOLE.fullmatch(word) is not None
 
 
-def _whole(card: _Card, words: list[str], at: tuple[Path, int], expected: str) -> list[int]:
+def _whole(card: Card, words: list[str], at: tuple[Path, int], expected: str) -> list[int]:
     if not words:
         card.fail("an empty line", expected, at)
     for word in words:
@@ -1108,7 +1243,7 @@ def _whole(card: _Card, words: list[str], at: tuple[Path, int], expected: str) -
     return [int(word) for word in words]
 
 
-def _reals(card: _Card, words: list[str], at: tuple[Path, int]) -> list[float]:
+def _reals(card: Card, words: list[str], at: tuple[Path, int]) -> list[float]:
     """Numbers of a data line; a field between two commas is zero."""
     found = []
     for word in words:

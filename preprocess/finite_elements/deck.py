@@ -9,6 +9,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass, field
 from difflib import get_close_matches
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, NoReturn
 
@@ -23,8 +24,11 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from heavylift.preprocess.finite_elements.deck_parts import DeckFrame
+
 __all__ = [
     "DECK_SUFFIXES",
+    "READ_SUFFIXES",
     "Deck",
     "DeckBody",
     "DeckLines",
@@ -38,6 +42,8 @@ __all__ = [
 
 DECK_SUFFIXES = (".bdf", ".dat", ".fem", ".inp", ".nas")
 """Files of Abaqus, CalculiX (``.inp``) and Nastran."""
+READ_SUFFIXES = (*DECK_SUFFIXES, ".cdb", ".unv")
+"""Files that are read here, and not by meshio: besides these, archives of Ansys and universal files."""
 KINDS = {"hex8": "8-node bricks", "hex20": "20-node bricks", "tet10": "10-node tetrahedra"}
 _SOLIDS = "solids: 8-node bricks, 20-node bricks or 10-node tetrahedra"
 _SHOWN = 6  # parts, sets or types of a message at most
@@ -356,6 +362,8 @@ class Deck:
         Number of every node in the file, ``"INSTANCE.number"`` in an instance; shape (n,).
     held
         Degrees of freedom (3 times the row of the node, plus direction) that the file holds, ascending.
+    make_frame
+        Makes plates, beams, masses and rigid elements of them; None if there are none.
     """
 
     source: Path
@@ -368,6 +376,18 @@ class Deck:
     notes: tuple[str, ...] = ()
     node_labels: Sequence[object] = ()
     held: NDArray[np.int64] = field(default_factory=lambda: np.empty(0, dtype=np.int64))
+    make_frame: Callable[[], DeckFrame] | None = None
+
+    @cached_property
+    def frame(self) -> DeckFrame | None:
+        """Plates, beams, masses and rigid elements, made when somebody asks; None if there are none.
+
+        Raises
+        ------
+        InputError
+            What is wrong with one of them, with file and line.
+        """
+        return None if self.make_frame is None else self.make_frame()
 
     def body(
         self,
@@ -401,7 +421,7 @@ class Deck:
             An unknown set; shells, beams or solids of other kinds among the elements; several parts, and no choice;
             bricks and tetrahedra at once; collapsed or inverted elements; several materials, and elements without one.
         """
-        chosen = self._chosen(elements)
+        chosen = self.chosen(elements)
         notes = list(self.notes)
         kept, beside = self._split(chosen)
         self._check_types(beside, bool(len(kept)), part, notes)
@@ -439,7 +459,14 @@ class Deck:
     def _starts(self) -> NDArray[np.int64]:
         return np.cumsum([0, *(len(block.labels) for block in self.blocks)])
 
-    def _chosen(self, names: Sequence[str]) -> NDArray[np.int64]:
+    def chosen(self, names: Sequence[str]) -> NDArray[np.int64]:
+        """Elements of sets by name, ascending numbers over all blocks; all elements without a name.
+
+        Raises
+        ------
+        InputError
+            An unknown set.
+        """
         count = int(self._starts()[-1])
         if not names:
             return np.arange(count)

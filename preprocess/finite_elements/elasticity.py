@@ -44,7 +44,9 @@ __all__ = [
     "ScalarMatrix",
     "assemble",
     "assemble_several",
+    "brick_alphas",
     "brick_stiffness",
+    "consistent_mass_rule",
     "mass_matrix",
     "stiffness_matrix",
 ]
@@ -234,6 +236,19 @@ def _incompatible(
     G: NDArray[np.float64],
     weight: NDArray[np.float64],
 ) -> NDArray[np.float64]:
+    K = _uncondensed(corners, material, G, weight)[0]
+    Kuu, Kua, Kaa = K[:, :24, :24], K[:, :24, 24:], K[:, 24:, 24:]
+    K = Kuu - np.matmul(Kua, np.linalg.solve(Kaa, Kua.transpose(0, 2, 1)))
+    return 0.5 * (K + K.transpose(0, 2, 1))
+
+
+def _uncondensed(
+    corners: NDArray[np.float64],
+    material: Material,
+    G: NDArray[np.float64],
+    weight: NDArray[np.float64],
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Stiffness with nine parameters of incompatible modes, (ne, 33, 33), and gradients of these, (ne, nq, 3, 3)."""
     points, weights = volume_rule("hex8")
     J0 = jacobians(corners, shape_gradients("hex8", np.zeros((1, 3))))[:, 0]
     # dxi_k/dx_j at the centre; row k times -2 xi_k is the gradient of mode k
@@ -245,9 +260,36 @@ def _incompatible(
     ne, nq, _, columns = B.shape
     DB = np.matmul(material.elasticity_matrix(), B) * weight[:, :, None, None]
     K = np.matmul(B.reshape(ne, nq * 6, columns).transpose(0, 2, 1), DB.reshape(ne, nq * 6, columns))
-    Kuu, Kua, Kaa = K[:, :24, :24], K[:, :24, 24:], K[:, 24:, 24:]
-    K = Kuu - np.matmul(Kua, np.linalg.solve(Kaa, Kua.transpose(0, 2, 1)))
-    return 0.5 * (K + K.transpose(0, 2, 1))
+    return K, modes
+
+
+def brick_alphas(
+    corners: NDArray[np.float64], material: Material, displacements: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """What displacements of their nodes do to the incompatible modes of bricks.
+
+    Parameters
+    ----------
+    corners, material
+        As of `brick_stiffness`.
+    displacements
+        Of the nodes [m], shape (ne, 8, 3).
+
+    Returns
+    -------
+    tuple
+        Gradients of the modes at the 2 x 2 x 2 points [1/m], shape (ne, 8, 3, 3), and their parameters [m], shape
+        (ne, 3, 3): the displacement gradient gains ``sum_k alpha_ki (grad mode_k)_j``.
+    """
+    points, weights = volume_rule("hex8")
+    reference = shape_gradients("hex8", points)
+    J = jacobians(corners, reference)
+    K, modes = _uncondensed(
+        corners, material, np.matmul(reference, np.linalg.inv(J)), weights * np.linalg.det(J)
+    )
+    load = np.matmul(K[:, 24:, :24], displacements.reshape(len(corners), 24, 1))
+    alphas = np.linalg.solve(K[:, 24:, 24:], -load).reshape(-1, 3, 3)
+    return modes, np.asarray(alphas, dtype=np.float64)
 
 
 def _reduced(
@@ -477,6 +519,16 @@ def mass_matrix(
             nodal = np.repeat(Me.sum(axis=(1, 2))[:, None] / 8.0, 8, axis=1)
         np.add.at(lumps, mesh.elements[start : start + len(Me)].ravel(), nodal.ravel())
     return csr_array(diags_array(lumps, format="csr"))
+
+
+def consistent_mass_rule(
+    mesh: Mesh,
+) -> Iterator[tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.float64]]]:
+    """Yield nodes (m, k), shape functions (points, k), volumes (m, points) [m3] that consistent masses are sums of."""
+    rule = _quadrature(mesh.element_type, _MASS_ORDER[mesh.element_type])
+    for start, corners in _chunks(mesh):
+        volumes = rule.weights * _determinants(mesh, start, jacobians(corners, rule.gradients))
+        yield mesh.elements[start : start + len(corners)], rule.shape, volumes
 
 
 def _chunks(mesh: Mesh) -> Iterator[tuple[int, NDArray[np.float64]]]:

@@ -556,6 +556,13 @@ def write_four_files(
         clamped, no mode at all.
     """
     folder = Path(folder)
+    if model.points is not None or model.rotating.size:
+        raise InputError(
+            "its nodes have rotations, or masses beside them",
+            source=model.name,
+            key="mass",
+            expected="a body of solids, whose nodes have displacements only",
+        )
     if not model.is_lumped:
         raise InputError(
             "the mass matrix is not diagonal", source=model.name, key="mass", expected="a lumped mass matrix"

@@ -13,6 +13,7 @@ import numpy as np
 from heavylift.numerics.hdf5_files import check_hdf5, is_hdf5
 from heavylift.numerics.outcome import InputError
 from heavylift.preprocess.finite_elements.deck import DECK_SUFFIXES, Deck, ElementBlock
+from heavylift.preprocess.finite_elements.deck_parts import DeckBeams, DeckFrame, DeckPlates
 from heavylift.preprocess.finite_elements.gmsh_session import gmsh_session, mesh_tetrahedra
 from heavylift.preprocess.finite_elements.groups import NodeSelector, select_nodes
 from heavylift.preprocess.finite_elements.mesh import Mesh
@@ -30,6 +31,7 @@ __all__ = [
     "MESH_SUFFIXES",
     "STEP_SUFFIXES",
     "existing_file",
+    "loose_frame",
     "read_deck",
     "read_mesh",
     "read_step",
@@ -38,7 +40,7 @@ __all__ = [
 ]
 
 STEP_SUFFIXES = (".step", ".stp")
-MESH_SUFFIXES = (".bdf", ".fem", ".inp", ".med", ".msh", ".nas", ".vtk", ".vtu", ".xdmf")
+MESH_SUFFIXES = (".bdf", ".cdb", ".fem", ".inp", ".med", ".msh", ".nas", ".unv", ".vtk", ".vtu", ".xdmf")
 
 _SOLID_CELLS = {"hexahedron": "hex8", "hexahedron20": "hex20", "tetra10": "tet10"}
 # cells that may accompany a solid: they only carry groups
@@ -225,6 +227,14 @@ def read_deck(path: Path, root: Path | None = None) -> Deck:
         from heavylift.preprocess.finite_elements.nastran_deck import read_nastran_deck
 
         return read_nastran_deck(path, root)
+    if suffix == ".cdb":
+        from heavylift.preprocess.finite_elements.ansys_deck import read_ansys_deck
+
+        return read_ansys_deck(path)
+    if suffix == ".unv":
+        from heavylift.preprocess.finite_elements.universal_deck import read_universal_deck
+
+        return read_universal_deck(path)
     return _deck_of_meshio(read_with_meshio(path), path)
 
 
@@ -310,7 +320,60 @@ def _deck_of_meshio(raw: Any, path: Path) -> Deck:
         words = "" if only_groups else "cells of type"
         blocks.append(ElementBlock(repr(block.type), "", labels, nothing, words, remedy, only_groups))
     index = np.full(start, -1, dtype=np.int64)
-    return Deck(path, points, blocks, _file_groups(raw), _file_elements(raw), index)
+    return Deck(
+        path,
+        points,
+        blocks,
+        _file_groups(raw),
+        _file_elements(raw),
+        index,
+        make_frame=lambda: loose_frame([(block.type, np.asarray(block.data)) for block in raw.cells]),
+    )
+
+
+def loose_frame(cells: Sequence[tuple[str, NDArray[np.int64]]]) -> DeckFrame:
+    """Plates and beams of cells that have no property: what they are a case says by group.
+
+    Parameters
+    ----------
+    cells
+        Type as meshio calls it and nodes, of all blocks of a deck in their order.
+    """
+    plates, beams = [], []
+    start = 0
+    for kind, nodes in cells:
+        count = len(nodes)
+        index = np.arange(start, start + count)
+        start += count
+        if kind in {"triangle", "quad"}:
+            plates.append(
+                DeckPlates(
+                    name=kind,
+                    index=index,
+                    nodes=np.asarray(nodes, dtype=np.int64),
+                    material=-1,
+                    thickness=np.full(count, np.nan),
+                    offset=np.zeros(count),
+                    loose=True,
+                )
+            )
+        elif kind == "line":
+            zeros = np.zeros((count, 3))
+            beams.append(
+                DeckBeams(
+                    name=kind,
+                    index=index,
+                    nodes=np.asarray(nodes, dtype=np.int64),
+                    material=-1,
+                    section=None,
+                    orientation=np.full((count, 3), np.nan),
+                    offset_a=zeros,
+                    offset_b=zeros,
+                    released=np.zeros((count, 12), dtype=bool),
+                    loose=True,
+                )
+            )
+    return DeckFrame(tuple(plates), tuple(beams))
 
 
 def _file_elements(raw: Any) -> dict[str, NDArray[np.int64]]:
@@ -325,6 +388,10 @@ def _file_elements(raw: Any) -> dict[str, NDArray[np.int64]]:
                 if members is not None
             ]
             sets[name] = np.concatenate([*found, np.empty(0, dtype=np.int64)])
+    for name, per_block in _med_groups(raw).items():
+        sets[name] = np.concatenate(
+            [start + members for start, members in zip(starts, per_block, strict=False)]
+        )
     for name, (number, dimension) in raw.field_data.items():
         found = [
             start + np.flatnonzero(np.asarray(numbers) == number)
@@ -336,6 +403,18 @@ def _file_elements(raw: Any) -> dict[str, NDArray[np.int64]]:
         if found and name not in sets:
             sets[name] = np.concatenate(found)
     return {name: members for name, members in sets.items() if members.size}
+
+
+def _med_groups(raw: Any) -> dict[str, list[NDArray[np.int64]]]:
+    """Cells of each block by the name of a group, of a MED file: cells have families, families have names."""
+    found: dict[str, list[NDArray[np.int64]]] = {}
+    families = raw.cell_data.get("cell_tags", [])
+    for family, names in getattr(raw, "cell_tags", {}).items():
+        for name in names:
+            known = found.setdefault(name, [np.empty(0, dtype=np.int64) for _ in raw.cells])
+            for k, tags in enumerate(families):
+                known[k] = np.union1d(known[k], np.flatnonzero(np.asarray(tags) == family))
+    return found
 
 
 def _file_groups(raw: Any) -> dict[str, NDArray[np.int64]]:
@@ -352,6 +431,10 @@ def _file_groups(raw: Any) -> dict[str, NDArray[np.int64]]:
         for block, members in zip(raw.cells, per_block, strict=True):
             if members is not None and len(members):
                 extend(name, np.asarray(block.data[np.asarray(members, dtype=np.int64)], dtype=np.int64))
+    for name, per_block in _med_groups(raw).items():
+        for block, members in zip(raw.cells, per_block, strict=True):
+            if members.size:
+                extend(name, np.asarray(block.data[members], dtype=np.int64))
     # format 2 of gmsh: numbers on the cells, names in a table of (number, dimension)
     for name, (number, dimension) in raw.field_data.items():
         for block, numbers in zip(raw.cells, raw.cell_data.get("gmsh:physical", []), strict=False):

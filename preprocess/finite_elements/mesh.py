@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
@@ -23,13 +23,22 @@ from heavylift.preprocess.finite_elements.reference_elements import (
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-__all__ = ["BESIDE", "Mesh", "find_place"]
+__all__ = ["BESIDE", "Elements", "Mesh", "find_place"]
 
 BESIDE = 1e-2
 """Of the largest extent of a body: a point that is farther away is not of the body."""
 _AT = 1e-9  # of the largest extent: a point is in an element, or at a node
 _NEWTON_STEPS = 30
 _CHUNK = 4096  # elements handled at once, so that memory does not grow with the mesh
+
+
+class Elements(Protocol):
+    """What lies between nodes: a mesh of solids, or a structure of plates and beams."""
+
+    def nearest_place(
+        self, point: NDArray[np.float64]
+    ) -> tuple[NDArray[np.int64], NDArray[np.float64], float]:
+        """Nodes and shape functions at the place of the body nearest to a point, and its distance [m]."""
 
 
 @dataclass(frozen=True)
@@ -304,7 +313,7 @@ class Mesh:
 
 def find_place(
     nodes: NDArray[np.float64],
-    mesh: Mesh | None,
+    mesh: Elements | None,
     point: ArrayLike,
     *,
     source: object,

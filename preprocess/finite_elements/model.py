@@ -1,4 +1,4 @@
-"""Material and finite element model: what the later stages need to know of a body's mechanics."""
+"""The finite element model: what the later stages need to know of a body's mechanics."""
 
 from __future__ import annotations
 
@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from heavylift.numerics.outcome import InputError, InputErrors
+from heavylift.numerics.outcome import InputError
+from heavylift.preprocess.finite_elements.material import DENSITY_LIMIT, WAVE_SPEEDS, Material
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -18,76 +19,6 @@ if TYPE_CHECKING:
     from heavylift.preprocess.structures.structure import Structure
 
 __all__ = ["DENSITY_LIMIT", "WAVE_SPEEDS", "FEModel", "MassPoints", "Material"]
-
-WAVE_SPEEDS = (10.0, 30e3)
-"""Longitudinal waves of all materials [m/s]: soft rubber to beyond diamond."""
-DENSITY_LIMIT = 25e3
-"""Above osmium [kg/m3]."""
-
-
-@dataclass(frozen=True)
-class Material:
-    """Linear, isotropic, homogeneous material.
-
-    Parameters
-    ----------
-    young_modulus
-        E [Pa], positive.
-    poisson_ratio
-        nu [-], -1 < nu < 0.5.
-    density
-        rho [kg/m3], positive.
-
-    Raises
-    ------
-    InputErrors
-        Every property out of its range, at once.
-    """
-
-    young_modulus: float
-    poisson_ratio: float
-    density: float
-
-    def __post_init__(self) -> None:
-        errors = []
-        for key, unit in (("young_modulus", "Pa"), ("density", "kg/m3")):
-            value = getattr(self, key)
-            if not (np.isfinite(value) and value > 0.0):
-                errors.append(
-                    InputError(
-                        f"{value!r}", source="material", key=key, expected=f"a positive number of {unit}"
-                    )
-                )
-        if not -1.0 < self.poisson_ratio < 0.5:
-            errors.append(
-                InputError(
-                    f"{self.poisson_ratio!r}",
-                    source="material",
-                    key="poisson_ratio",
-                    expected="a number between -1 and 0.5 (0.5, incompressible, makes K singular)",
-                )
-            )
-        if errors:
-            raise InputErrors(errors)
-
-    @property
-    def shear_modulus(self) -> float:
-        """G = E / (2 (1 + nu)) [Pa], the second Lame constant mu."""
-        return self.young_modulus / (2.0 * (1.0 + self.poisson_ratio))
-
-    @property
-    def lame_lambda(self) -> float:
-        """First Lame constant lambda = E nu / ((1 + nu)(1 - 2 nu)) [Pa]."""
-        nu = self.poisson_ratio
-        return self.young_modulus * nu / ((1.0 + nu) * (1.0 - 2.0 * nu))
-
-    def elasticity_matrix(self) -> NDArray[np.float64]:
-        """Return D [Pa], shape (6, 6), order xx, yy, zz, xy, yz, zx, engineering shear strains."""
-        D = np.zeros((6, 6))
-        D[:3, :3] = self.lame_lambda
-        D[np.arange(6), np.arange(6)] = self.shear_modulus
-        D[np.arange(3), np.arange(3)] = self.lame_lambda + 2.0 * self.shear_modulus
-        return D
 
 
 @dataclass(frozen=True, eq=False)
@@ -185,6 +116,13 @@ class FEModel:
             object.__setattr__(self, key, np.unique(np.asarray(getattr(self, key), dtype=np.int64)))
         n = len(self.nodes)
         inertial = n if self.points is None else self.dof_count
+        if self.rotating.size and self.points is None:
+            raise InputError(
+                f"{len(self.rotating)} nodes with rotations and a scalar mass matrix",
+                source=source,
+                key="points",
+                expected="mass points of a model with rotations",
+            )
         for key, matrix, size in (
             ("stiffness", self.stiffness, self.dof_count),
             ("mass", self.mass, inertial),
@@ -200,6 +138,13 @@ class FEModel:
                 raise InputError(
                     "has entries that are not finite", source=source, key=key, expected="finite numbers"
                 )
+        if self.constraint is not None and self.constraint.shape[0] != self.dof_count:
+            raise InputError(
+                f"matrix of shape {self.constraint.shape}",
+                source=source,
+                key="constraint",
+                expected=f"{self.dof_count} rows, one a degree of freedom",
+            )
         for key, held, size in (
             ("fixed_nodes", self.fixed_nodes, n),
             ("fixed_dofs", self.fixed_dofs, self.dof_count),
@@ -223,6 +168,11 @@ class FEModel:
         return len(self.nodes)
 
     @property
+    def elements(self) -> Mesh | Structure | None:
+        """What is between the nodes; None if that is not known."""
+        return self.mesh if self.mesh is not None else self.structure
+
+    @property
     def dof_count(self) -> int:
         """Number N of degrees of freedom: three displacements a node, and three rotations of nodes that have some."""
         return 3 * (len(self.nodes) + len(self.rotating))
@@ -234,19 +184,42 @@ class FEModel:
         first[self.rotating] = 3 * (len(self.nodes) + np.arange(len(self.rotating)))
         return first
 
+    def node_dofs(self, nodes: NDArray[np.int64]) -> NDArray[np.int64]:
+        """Sorted degrees of freedom of some nodes: displacements, and rotations of those that have some."""
+        turning = self.rotation_dofs[nodes]
+        first = np.concatenate([3 * np.asarray(nodes, dtype=np.int64), turning[turning >= 0]])
+        return np.sort((first[:, None] + np.arange(3)).ravel())
+
+    @cached_property
+    def dof_nodes(self) -> NDArray[np.int64]:
+        """Node of every degree of freedom, shape (N,)."""
+        return np.repeat(np.concatenate([np.arange(len(self.nodes)), self.rotating]), 3)
+
     @property
     def total_mass(self) -> float:
         """Mass of the body [kg]."""
         return float(self.mass.sum() if self.points is None else self.points.masses.sum())
 
     @property
+    def centre_of_mass(self) -> NDArray[np.float64]:
+        """Centre of mass [m], shape (3,)."""
+        if self.points is not None:
+            return self.points.masses @ self.points.positions / self.points.masses.sum()
+        row_sum = np.asarray(self.mass.sum(axis=0)).ravel()
+        return row_sum @ self.nodes / row_sum.sum()
+
+    @property
     def is_lumped(self) -> bool:
         """Whether no mass couples one node with another."""
         coo = self.mass.tocoo()
+        if self.points is not None:
+            return bool((self.dof_nodes[coo.row] == self.dof_nodes[coo.col]).all())
         return bool((coo.row == coo.col).all())
 
     def full_mass(self) -> csr_array:
-        """Mass matrix of all degrees of freedom, kron(M_s, I3) [kg], sparse (3n, 3n)."""
+        """Mass matrix of all degrees of freedom [kg, kg m, kg m2], sparse (N, N)."""
         from scipy.sparse import csr_array, identity, kron
 
+        if self.points is not None:
+            return self.mass
         return csr_array(kron(self.mass, identity(3, format="csr"), format="csr"))

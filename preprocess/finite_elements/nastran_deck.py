@@ -24,8 +24,8 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, NoReturn
+from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -35,8 +35,8 @@ from heavylift.preprocess.finite_elements.deck import (
     DeckLines,
     DeckMaterial,
     ElementBlock,
-    deck_number,
 )
+from heavylift.preprocess.finite_elements.nastran_frame import Card, FrameBuilder, FrameCards
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -44,53 +44,20 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from heavylift.preprocess.finite_elements.deck_parts import DeckFrame
+
 __all__ = ["read_nastran_deck"]
 
 
 # ---- text ----
 
 
-_WHOLE = re.compile(r"[+-]?[0-9]{1,18}")  # what fits 64 bits
+_SELECTED = "CASE.NSM"  # what case control says of nonstructural masses, as an entry
 
 
-@dataclass
-class _Card:
-    """A bulk data entry: its name and the fields behind it."""
-
-    name: str
-    fields: list[str]
-    file: Path
-    line: int
-
-    def fail(self, problem: str, expected: str) -> NoReturn:
-        raise InputError(
-            f"{self.name}: {problem}", source=self.file, key=f"line {self.line}", expected=expected
-        )
-
-    def word(self, index: int) -> str:
-        return self.fields[index] if index < len(self.fields) else ""
-
-    def whole(self, index: int, what: str, default: int | None = None) -> int:
-        word = self.word(index)
-        if not word and default is not None:
-            return default
-        if not _WHOLE.fullmatch(word):
-            self.fail(f"{word!r}", f"a whole number: {what}")
-        return int(word)
-
-    def real(self, index: int, what: str) -> float | None:
-        word = self.word(index)
-        if not word:
-            return None
-        try:
-            return deck_number(word)
-        except ValueError:
-            self.fail(f"{word!r}", f"a number: {what}")
-
-
-def _cards(deck: Path, root: Path) -> Iterator[_Card]:
+def _cards(deck: Path, root: Path) -> Iterator[Card]:
     """Entries of the bulk data, with their continuations."""
-    card: _Card | None = None
+    card: Card | None = None
     for file, number, line in _bulk(deck, root):
         name, fields = _fields(line)
         if name.startswith(("=", "*(")):
@@ -104,7 +71,7 @@ def _cards(deck: Path, root: Path) -> Iterator[_Card]:
             if card is not None:
                 yield card
             # meshio writes CTETRA_ for ten nodes
-            card = _Card(name.rstrip("*_ ").upper(), fields, file, number)
+            card = Card(name.rstrip("*_ ").upper(), fields, file, number)
         elif card is not None:
             card.fields += fields
     if card is not None:
@@ -133,6 +100,8 @@ def _bulk(deck: Path, root: Path) -> Iterator[tuple[Path, int, str]]:
     for file, number, line in lines[:begin]:
         if match := re.match(r"\s*PARAM[\s,]+WTMASS[\s,=]+([^\s,]+)", line, re.IGNORECASE):
             yield file, number, f"PARAM,WTMASS,{match[1]}"
+        if match := re.match(r"\s*NSM\s*=\s*(\d+)", line, re.IGNORECASE):
+            yield file, number, f"{_SELECTED},{match[1]}"
     for file, number, line in lines[max(begin - 1, 0) :]:
         if re.match(r"ENDDATA\b", line, re.IGNORECASE):
             return
@@ -197,6 +166,7 @@ _NODES = {
     "CBAR": 2,
     "CBEAM": 2,
     "CROD": 2,
+    "CONROD": 2,
 }
 _FLAT = {3: "triangle", 4: "quad", 6: "triangle6", 8: "quad8"}
 _CELLS = {
@@ -223,6 +193,10 @@ _NONLINEAR = {
 }
 
 
+# entries that are read besides those of `FrameCards`
+_READ = {"GRID", "GRDSET", "PSOLID", "PLSOLID", "MAT1", "PARAM", "SPC", "SPC1", "SET1"}
+
+
 def read_nastran_deck(path: Path, root: Path | None = None) -> Deck:
     """Read bulk data of Nastran; see the module for what is understood.
 
@@ -242,6 +216,9 @@ def read_nastran_deck(path: Path, root: Path | None = None) -> Deck:
     """
     reader = _Reader()
     for card in _cards(path, root or path.parent):
+        if card.name == _SELECTED:
+            reader.nonstructural = card.word(0)
+            continue
         reader.take(card)
     if not reader.nodes and not reader.solids and not reader.others:
         raise InputError("contains no GRID", source=path, expected="bulk data of Nastran")
@@ -252,9 +229,9 @@ class _Reader:
     """Takes one entry after the other."""
 
     def __init__(self) -> None:
-        self.nodes: dict[int, tuple[list[float], _Card]] = {}
+        self.nodes: dict[int, tuple[list[float], Card]] = {}
         self.default_systems = [0, 0]
-        self.grid_set: _Card | None = None
+        self.grid_set: Card | None = None
         self.solids: dict[int, tuple[str, int, list[int]]] = {}
         self.others: dict[tuple[str, int], list[tuple[int, int, list[int]]]] = {}
         self.other_properties: set[int] = set()
@@ -267,7 +244,11 @@ class _Reader:
         self.masses: Counter[str] = Counter()
         self.weight = 1.0
         self.weight_said = False
-        self.verbs: dict[str, Callable[[_Card], None]] = {
+        self.frame = FrameCards()
+        self.shear_ratio: dict[int, float] = {}
+        self.parameters: dict[str, str] = {}
+        self.nonstructural = ""
+        self.verbs: dict[str, Callable[[Card], None]] = {
             "GRID": self._grid,
             "GRDSET": self._grid_defaults,
             "PSOLID": self._property,
@@ -279,8 +260,9 @@ class _Reader:
             "SET1": self._set1,
         }
 
-    def take(self, card: _Card) -> None:
+    def take(self, card: Card) -> None:
         """One entry."""
+        self.frame.take(card)
         if _CONSTRAINTS.match(card.name):
             self.constraints[card.name] += 1
         if re.match(r"NSM(L?1?|ADD)$", card.name):
@@ -299,11 +281,11 @@ class _Reader:
         elif _PROPERTIES.match(card.name):
             self.other_properties.add(card.whole(0, "number of the property"))
 
-    def _grid_defaults(self, card: _Card) -> None:
+    def _grid_defaults(self, card: Card) -> None:
         self.grid_set = card
         self.default_systems = [card.whole(1, "coordinate system", 0), card.whole(5, "coordinate system", 0)]
 
-    def _grid(self, card: _Card) -> None:
+    def _grid(self, card: Card) -> None:
         label = card.whole(0, "number of the node")
         x = [card.real(k, "a coordinate") or 0.0 for k in (2, 3, 4)]
         if label in self.nodes:
@@ -316,7 +298,7 @@ class _Reader:
                 card.fail(f"node {label} is defined twice", "every node once")
         self.nodes[label] = (x, card)
 
-    def _solid(self, card: _Card) -> None:
+    def _solid(self, card: Card) -> None:
         label = card.whole(0, "number of the element")
         # blank fields are middle nodes that an element does not have
         words = card.fields[2:]
@@ -332,14 +314,19 @@ class _Reader:
             card.fail(f"element {label} is defined twice", "every element once")
         self.solids[label] = (card.name, property_id, nodes)
 
-    def _other(self, card: _Card) -> None:
+    def _other(self, card: Card) -> None:
         """An element that is no solid, with its nodes if its name tells their number."""
         label, count = card.whole(0, "number of the element"), _NODES.get(card.name, 0)
-        nodes = [card.whole(2 + k, "a node") for k in range(count)]
-        property_id = card.whole(1, "a property", label) if count else 0
+        if self.frame.elements.get(label, card) is not card:
+            return  # the same once more
+        rod = card.name == "CONROD"  # has its property itself
+        nodes = [card.whole(1 + k if rod else 2 + k, "a node") for k in range(count)]
+        property_id = card.whole(1, "a property", label) if count and not rod else label if rod else 0
+        if rod:
+            self.other_properties.add(label)
         self.others.setdefault((card.name, count), []).append((label, property_id, nodes))
 
-    def _property(self, card: _Card) -> None:
+    def _property(self, card: Card) -> None:
         label, material = card.whole(0, "number of the property"), card.whole(1, "number of the material", 0)
         before = self.properties.setdefault(label, material)
         if before != material:
@@ -348,38 +335,47 @@ class _Reader:
                 "every property once",
             )
 
-    def _material(self, card: _Card) -> None:
+    def _material(self, card: Card) -> None:
         label = card.whole(0, "number of the material")
         E, G, nu, rho = (card.real(k, "a constant of the material") for k in (1, 2, 3, 4))
         if E is None and G is not None and nu is not None:
             E = 2.0 * G * (1.0 + nu)
         elif nu is None and E is not None and G is not None:
             nu = E / (2.0 * G) - 1.0
+        if G is not None and E and nu is not None:
+            ratio = G * 2.0 * (1.0 + nu) / E
+            if abs(ratio - 1.0) > 0.01:
+                self.material_notes.setdefault(label, []).append(
+                    f"G = {G:g} is {ratio:.4g} times E / (2 (1 + nu)): plates and solids take E and nu, beams take G"
+                )
+                self.shear_ratio[label] = ratio
         made = DeckMaterial(f"MAT1 {label}", E, nu, rho)
         if self.materials.setdefault(label, made) != made:
             card.fail(f"material {label} is defined twice", "every material once")
 
-    def _parameter(self, card: _Card) -> None:
+    def _parameter(self, card: Card) -> None:
         if card.word(0).upper() == "WTMASS":
             weight = card.real(1, "a factor on masses") or 1.0
             if self.weight_said and weight != self.weight:
                 card.fail(f"WTMASS is {self.weight:g} and {weight:g}", "one factor on masses")
             self.weight, self.weight_said = weight, True
+        else:
+            self.parameters[card.word(0).upper()] = card.word(1)
 
-    def _spc(self, card: _Card) -> None:
+    def _spc(self, card: Card) -> None:
         name = f"SPC {card.word(0)}"
         for k in (1, 4):
             if card.word(k):
                 label = card.whole(k, "a node")
                 self.groups.setdefault(name, []).append((label, label))
 
-    def _spc1(self, card: _Card) -> None:
+    def _spc1(self, card: Card) -> None:
         self._ranges(card, f"SPC {card.word(0)}", 2)
 
-    def _set1(self, card: _Card) -> None:
+    def _set1(self, card: Card) -> None:
         self._ranges(card, f"SET1 {card.word(0)}", 1)
 
-    def _ranges(self, card: _Card, name: str, first: int) -> None:
+    def _ranges(self, card: Card, name: str, first: int) -> None:
         """Numbers from a field on, with ``a THRU b``."""
         found = self.groups.setdefault(name, [])
         places = [k for k in range(first, len(card.fields)) if card.fields[k]]
@@ -399,8 +395,8 @@ class _Reader:
 
     def deck(self, path: Path) -> Deck:
         """One numbering of nodes and elements."""
-        self._check_systems()
         row = {label: k for k, label in enumerate(self.nodes)}
+        points = self._points()
         blocks, sets, index = self._blocks(path, row)
         node_sets = {}
         for name, ranges in self.groups.items():
@@ -410,16 +406,45 @@ class _Reader:
         nodes_of = [nodes for block in blocks for nodes in block.nodes]
         for name, elements in sets.items():
             node_sets[name] = np.unique(np.concatenate([nodes_of[k] for k in elements])).astype(np.int64)
-        materials, number = self._materials(set(index))
+        of_beams = {
+            card.whole(3 if card.name == "CONROD" else 1, "number of the material", 0)
+            for card in self.frame.properties.values()
+        }
+        of_beams |= {
+            card.whole(3, "a material", 0) for card in self.frame.elements.values() if card.name == "CONROD"
+        }
+        of_plates = {
+            card.whole(k, "number of a material", 0)
+            for card in self.frame.properties.values()
+            if card.name == "PSHELL"
+            for k in (1, 3, 5)
+        }
+        materials, number = self._materials(set(index) | of_beams | of_plates)
         notes = []
-        if self.constraints:
-            words = ", ".join(f"{n} {key}" for key, n in self.constraints.items())
-            notes.append(f"constraints and contacts of the file are left out, the case has its own: {words}")
+        notes += [self._constraints(set())] if self.constraints else []
         notes += [f"left out: {n} nonstructural masses {key}" for key, n in self.masses.items()]
         if self.weight != 1.0:
             notes.append(f"densities are multiplied by WTMASS = {self.weight:g}")
-        points = np.array([x for x, _ in self.nodes.values()], dtype=np.float64).reshape(-1, 3)
         material_index = np.array([number.get(key, -1) for key in index], dtype=np.int64)
+        numbers = [int(label) for block in blocks for label in block.labels]
+
+        def frame() -> DeckFrame:
+            builder = FrameBuilder(
+                self.frame,
+                row,
+                points,
+                self._displacement_system,
+                number,
+                self.shear_ratio,
+                self.weight,
+                {label: k for k, label in enumerate(numbers)},
+            )
+            made = builder.frame()
+            notes = [*self._words(), self._constraints(set(self.frame.read)), *made.notes]
+            return replace(
+                made, notes=tuple(note for note in notes if note), instead=(self._constraints(set()),)
+            )
+
         return Deck(
             path,
             points,
@@ -429,20 +454,67 @@ class _Reader:
             material_index,
             materials,
             tuple(notes),
+            node_labels=list(self.nodes),
+            make_frame=None if self.frame.empty else frame,
         )
 
-    def _check_systems(self) -> None:
-        for label, (_, card) in self.nodes.items():
-            for place, key, default in (
-                (1, "CP", self.default_systems[0]),
-                (5, "CD", self.default_systems[1]),
-            ):
-                given = card.whole(place, "a coordinate system", default)
-                if given not in {0, -1}:
-                    card.fail(
-                        f"node {label} has {key} = {given}, a coordinate system",
-                        "nodes in basic coordinates, CP and CD 0; write the deck so",
-                    )
+    def _constraints(self, read: set[str]) -> str:
+        """What of constraints is left out, besides some that are read; ``""`` if nothing is."""
+        words = ", ".join(f"{n} {key}" for key, n in self.constraints.items() if key not in read)
+        return words and f"constraints and contacts of the file are left out, the case has its own: {words}"
+
+    def _words(self) -> list[str]:
+        """What of the file is read, what is not, by entry and count, for a structure."""
+        counts = self.frame.counts
+        read = {name: n for name, n in counts.items() if name in self.frame.read or name in _READ}
+        read |= {name: n for name, n in counts.items() if name in _SOLIDS}
+        left = {name: n for name, n in counts.items() if name not in read and name != "ENDDATA"}
+        words = [f"read: {', '.join(f'{n} {name}' for name, n in sorted(read.items()))}"]
+        if left:
+            words.append(f"left out: {', '.join(f'{n} {name}' for name, n in sorted(left.items()))}")
+        for key, what in (("K6ROT", "drilling stiffness"), ("COUPMASS", "the kind of mass")):
+            if key in self.parameters:
+                words.append(f"PARAM,{key},{self.parameters[key]} is left out: {what} is chosen here")
+        if self.nonstructural:
+            words.append(
+                f"case control has NSM = {self.nonstructural}: this mass is not read, give it in the case"
+            )
+        elif self.masses:
+            words.append("case control selects no NSM: entries of nonstructural mass do not count")
+        return words
+
+    def _points(self) -> NDArray[np.float64]:
+        """Positions of all nodes, basic axes, shape (n, 3)."""
+        systems = self.frame.systems
+        found: dict[int, NDArray[np.float64]] = {}
+
+        def place(label: int, user: Card) -> NDArray[np.float64]:
+            if label not in self.nodes:
+                user.fail(f"node {label} does not exist", "nodes that the deck defines")
+            x, card = self.nodes[label]
+            system = card.whole(1, "a coordinate system", self.default_systems[0])
+            system = max(system, 0)  # -1 takes back a default
+            if system:
+                systems.resolve(system, card, place)
+                return systems.point(system, np.array(x))
+            return np.array(x)
+
+        for label in self.nodes:
+            x, card = self.nodes[label]
+            plain = not card.word(1) and not self.default_systems[0]
+            found[label] = np.array(x) if plain else place(label, card)
+        for label in self.nodes:
+            system = self._displacement_system(label)
+            if system:
+                systems.resolve(system, self.nodes[label][1], place)
+        return np.array(list(found.values()), dtype=np.float64).reshape(-1, 3)
+
+    def _displacement_system(self, label: int) -> int:
+        """CD of a node."""
+        card = self.nodes[label][1]
+        if not card.word(5):
+            return max(self.default_systems[1], 0)
+        return max(card.whole(5, "a coordinate system"), 0)
 
     def _blocks(
         self, path: Path, row: dict[int, int]

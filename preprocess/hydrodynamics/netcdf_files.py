@@ -25,6 +25,9 @@ from heavylift.preprocess.hydrodynamics.repairs import repaired
 from heavylift.preprocess.hydrodynamics.words import TimeConvention
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    import h5py
     from numpy.typing import NDArray
 
     from heavylift.preprocess.hydrodynamics.repairs import Repair
@@ -35,6 +38,7 @@ __all__ = [
     "read_digest",
     "read_netcdf",
     "write_netcdf",
+    "write_variables",
 ]
 
 
@@ -209,22 +213,34 @@ def write_netcdf(
         file.attrs["symmetric"] = np.int32(database.symmetric)
         if database.repairs:
             file.attrs["repairs"] = np.bytes_("\n".join(database.repairs).encode("utf-8", "backslashreplace"))
-        for name, values in axes.items():
-            is_text = isinstance(values, list)
-            scale = file.create_dataset(
-                name, data=values, dtype=h5py.string_dtype() if is_text else np.float64
-            )
-            scale.make_scale(name)
-            if name in UNITS:
-                scale.attrs["units"] = np.bytes_(UNITS[name].encode())
-        for name, (along, values) in variables.items():
-            if values is None:
-                continue
-            packed = {"compression": "gzip", "compression_opts": 9, "shuffle": True} if len(along) > 2 else {}
-            data = file.create_dataset(name, data=np.asarray(values, dtype=np.float64), **packed)
-            for place, axis in enumerate(along):
-                data.dims[place].attach_scale(file[axis])
-            data.attrs["units"] = np.bytes_(UNITS[name].encode())
+        write_variables(file, axes, variables, UNITS)
+
+
+def write_variables(
+    file: h5py.File,
+    axes: Mapping[str, Any],
+    variables: Mapping[str, tuple[tuple[str, ...], Any]],
+    units: Mapping[str, str],
+) -> None:
+    """Write axes (numbers, or lists of text) and variables along them, those of more than two compressed; not None."""
+    import h5py
+
+    for name, values in axes.items():
+        is_text = isinstance(values, list)
+        scale = file.create_dataset(name, data=values, dtype=h5py.string_dtype() if is_text else np.float64)
+        scale.make_scale(name)
+        if name in units:
+            scale.attrs["units"] = np.bytes_(units[name].encode())
+    for name, (along, values) in variables.items():
+        if values is None:
+            continue
+        array = np.asarray(values)
+        array = array if array.dtype.kind == "i" else array.astype(np.float64)
+        packed = {"compression": "gzip", "compression_opts": 9, "shuffle": True} if len(along) > 2 else {}
+        data = file.create_dataset(name, data=array, **packed)
+        for place, axis in enumerate(along):
+            data.dims[place].attach_scale(file[axis])
+        data.attrs["units"] = np.bytes_(units[name].encode())
 
 
 def read_netcdf(

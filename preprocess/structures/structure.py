@@ -12,11 +12,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from heavylift.numerics.outcome import InputError
+from heavylift.preprocess.structures.places import nearest_place, surface_triangles
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from heavylift.preprocess.finite_elements.model import Material
+    from heavylift.preprocess.finite_elements.material import Material
     from heavylift.preprocess.structures.sections import BeamSection
 
 __all__ = ["Average", "Beams", "PointMass", "RigidLink", "Shells", "Solids", "Structure", "Tie"]
@@ -292,3 +293,26 @@ class Structure:
         """Number of shells, beams and solids."""
         parts: tuple[Shells | Beams | Solids, ...] = (*self.shells, *self.beams, *self.solids)
         return sum(len(part.elements) for part in parts)
+
+    def nearest_place(
+        self, point: NDArray[np.float64]
+    ) -> tuple[NDArray[np.int64], NDArray[np.float64], float]:
+        """Nodes and weights at the place of the structure nearest to a point, and its distance [m].
+
+        Plates and beams count where their nodes are, whatever their offset.
+        """
+        return nearest_place(
+            self.nodes,
+            [part.elements for part in self.shells],
+            [part.elements for part in self.beams],
+            [(part.element_type, part.elements) for part in self.solids],
+            point,
+        )
+
+    def boundary_triangles(self) -> NDArray[np.int64]:
+        """Triangles of the surface, shape (nt, 3): plates once, about their normals, and outer faces of solids."""
+        return surface_triangles(
+            self.nodes,
+            [part.elements for part in self.shells],
+            [(part.element_type, part.elements) for part in self.solids],
+        )

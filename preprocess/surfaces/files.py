@@ -10,7 +10,7 @@ import numpy as np
 from heavylift.numerics.foreign_files import converter_words
 from heavylift.numerics.memory import refuse_beyond_memory
 from heavylift.numerics.outcome import InputError
-from heavylift.preprocess.finite_elements.deck import DECK_SUFFIXES
+from heavylift.preprocess.finite_elements.deck import READ_SUFFIXES
 from heavylift.preprocess.finite_elements.geometry import (
     MESH_SUFFIXES,
     STEP_SUFFIXES,
@@ -164,7 +164,7 @@ def _faces_of_mesh(path: Path, unit: float) -> tuple[NDArray[np.float64], NDArra
 
 def _cells_of(path: Path) -> tuple[NDArray[np.float64], list[tuple[str, NDArray[np.int64]]]]:
     """Points of a mesh and its cells by meshio's types."""
-    if path.suffix.lower() in DECK_SUFFIXES:
+    if path.suffix.lower() in READ_SUFFIXES:
         deck = read_deck(path)
         return deck.points, [(block.shape or block.name, block.nodes) for block in deck.blocks]
     raw = read_with_meshio(path)

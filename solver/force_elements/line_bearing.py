@@ -153,11 +153,6 @@ class LineBearing(Between):
         """Its force has corners."""
         return "" if integrator == "dele2" else "opens and closes"
 
-    @property
-    def directed(self) -> bool:
-        """It holds a plane."""
-        return True
-
     @staticmethod
     def check(spec: Any) -> None:
         """A plane has a normal and a direction in it."""

@@ -42,7 +42,7 @@ class PointForce(OnBody):
         "name": "Its name.",
         "body": "Body that is loaded.",
         "point": "Loaded point in the coordinates of the geometry [m]; of a flexible body, frame or shell any "
-        "point of its mesh.",
+        "point of its mesh, or the name of an interface.",
     }
 
     times: Annotated[NDArray[np.float64], Quantity("time"), Shape((None,))] = field(default_factory=no_rows)
@@ -62,11 +62,6 @@ class PointForce(OnBody):
             object.__setattr__(self, "times", np.zeros(1))
             object.__setattr__(self, "forces", np.array([self.force]))
             object.__setattr__(self, "force", None)
-
-    @property
-    def directed(self) -> bool:
-        """Whether it follows the axes of its body."""
-        return self.frame == "body"
 
     @staticmethod
     def check(spec: Any) -> None:

@@ -432,14 +432,6 @@ class ForceElement:
         """Names of the ropes of which it wants to know what they pull with."""
         return ()
 
-    @property
-    def directed(self) -> bool:
-        """Whether it takes directions of bodies: for one with modes a note says that these are those of its frame.
-
-        One with rows is refused where modes turn such a direction.
-        """
-        return False
-
 
 @dataclass(frozen=True, eq=False)
 class OnBody(ForceElement):
@@ -558,11 +550,6 @@ class PackedForce(ForceElement):
 
     name: str
 
-    @property
-    def directed(self) -> bool:
-        """It may take any direction."""
-        return True
-
 
 FORCES: Family[Any] = Family(
     "force", "heavylift.solver.forces", "heavylift.solver.force_elements", default="point"
@@ -587,8 +574,8 @@ class RopePoint:
     body: Annotated[str, NameOf("side")]
     """Body that carries it, or ``"ground"``."""
     point: Annotated[NDArray[np.float64], BodyPoint()]
-    """The place, of a pulley its centre [m], in the coordinates of the geometry of the body; of the ground in the
-    world."""
+    """The place, of a pulley its centre [m], in the coordinates of the geometry of the body, or the name of an
+    interface of it; of the ground in the world."""
     radius: Annotated[float, Quantity("length", minimum=0.0, closed=True)] = 0.0
     """Of the pulley [m]; 0 for an end or an eye."""
     axis: Annotated[NDArray[np.float64], BodyDirection(), Absent()] = field(default_factory=upwards)

@@ -85,7 +85,7 @@ class Sensor(OnBody):
         "name": "Name; its channels are ``NAME.position`` and ``NAME.velocity``; checks may ask for the stress at it.",
         "body": "Body that carries it.",
         "point": "Point in the coordinates of the geometry [m]; of a flexible body, frame or shell any point of "
-        "its mesh.",
+        "its mesh, or the name of an interface.",
     }
 
     def drawn(self) -> Iterable[Element]:

@@ -95,8 +95,8 @@ class MotionOutputs(Outputs):
 class RelativeMotion(Between, PackedForce):
     """Motion of the point of side b in the axes of side a, and the rotation of b against a.
 
-    The axes are those of the geometries of the bodies, on the ground those of the world. A flexible body has those of
-    its frame, a shell those with which it has turned at the point.
+    The axes are those of the geometries of the bodies, on the ground those of the world. A flexible body or
+    a shell has those with which it has turned at the point.
     """
 
     CHANNELS: ClassVar = MotionOutputs.CHANNELS

@@ -55,6 +55,10 @@ PUSHES = 8
 PUSH = 0.03
 """Of an unstable position, in units of the longest step."""
 
+STIFFENED_ROUNDS = 20
+STIFFENED = 1e-9
+"""Change of forces of joints that stiffen bodies with modes, relative to the largest, in a round of the search."""
+
 DENSE = 600
 """Velocities up to which stability is read from all eigenvalues."""
 
@@ -101,6 +105,12 @@ def find_equilibrium(rows: StartRows) -> Equilibrium:
     begin = rows.survey()[0]
     search = _Search(rows)
     search.run()
+    stiffened = [kind for kind in rows.layout.bodies if hasattr(kind, "take_reactions")]
+    for _ in range(STIFFENED_ROUNDS if stiffened else 0):
+        pull = rows.jacobian().T @ search.look().reaction
+        if max(kind.take_reactions(pull) for kind in stiffened) <= STIFFENED:
+            break
+        search.run()
     rows.start()
     reaction = search.look().reaction
     close_velocities(rows)

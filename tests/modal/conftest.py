@@ -6,11 +6,12 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from scipy.sparse import csr_array
 
 from heavylift.preprocess.finite_elements.blocks import Box, mesh_blocks
 from heavylift.preprocess.finite_elements.elasticity import assemble
 from heavylift.preprocess.finite_elements.groups import OnPlane
-from heavylift.preprocess.finite_elements.model import Material
+from heavylift.preprocess.finite_elements.model import FEModel, MassPoints, Material
 
 LENGTH, HEIGHT, WIDTH = 1.0, 0.1, 0.06
 
@@ -77,3 +78,70 @@ def dense():
         )
 
     return matrices
+
+
+STEEL_BEAM = SimpleNamespace(length=2.0, side=0.05, young=2.1e11, shear=8.0e10, density=7850.0)
+
+
+@pytest.fixture(scope="session")
+def beam_chain():
+    """Slender square steel beam along x: elements of Hermite's cubics, masses at nodes.
+
+    ``rotary`` gives each node the rotary inertia of its piece by pairs of points; without it rotations have no mass.
+    """
+
+    def make(count, *, rotary=False, extra=()):
+        """``extra``: (node, mass, offset) of points besides."""
+        data = STEEL_BEAM
+        n, h = count + 1, data.length / count
+        area, second = data.side**2, data.side**4 / 12.0
+        nodes = np.column_stack([np.linspace(0.0, data.length, n), np.zeros(n), np.zeros(n)])
+        bending = np.array(
+            [
+                [12.0, 6 * h, -12.0, 6 * h],
+                [6 * h, 4 * h * h, -6 * h, 2 * h * h],
+                [-12.0, -6 * h, 12.0, -6 * h],
+                [6 * h, 2 * h * h, -6 * h, 4 * h * h],
+            ]
+        )
+        bending *= data.young * second / h**3
+        bar = np.array([[1.0, -1.0], [-1.0, 1.0]]) / h
+        K = np.zeros((6 * n, 6 * n))
+        for a in range(count):
+            u, v, w = (np.array([3 * a, 3 * a + 3]) + k for k in range(3))
+            p, q, r = (3 * n + np.array([3 * a, 3 * a + 3]) + k for k in range(3))
+            K[np.ix_(u, u)] += data.young * area * bar
+            K[np.ix_(p, p)] += data.shear * 2.0 * second * bar
+            for deflection, turn, sign in ((v, r, 1.0), (w, q, -1.0)):
+                dofs = np.array([deflection[0], turn[0], deflection[1], turn[1]])
+                signs = np.array([1.0, sign, 1.0, sign])
+                K[np.ix_(dofs, dofs)] += bending * np.outer(signs, signs)
+        piece = np.full(n, data.density * area * h)
+        piece[[0, -1]] *= 0.5
+        places = [(a, piece[a], np.zeros(3)) for a in range(n)]
+        if rotary:  # two pairs at +-side/sqrt(12) across: polar inertia m side^2/6, no mass in sum
+            arm = data.side / np.sqrt(12.0)
+            for a in range(n):
+                places[a] = (a, -piece[a], np.zeros(3))
+                places += [(a, 0.5 * piece[a], s * arm * np.eye(3)[k]) for k in (1, 2) for s in (-1.0, 1.0)]
+        places += [(a, mass, np.asarray(offset)) for a, mass, offset in extra]
+        operator = np.zeros((3 * len(places), 6 * n))
+        for i, (a, _, offset) in enumerate(places):
+            operator[3 * i : 3 * i + 3, 3 * a : 3 * a + 3] = np.eye(3)
+            operator[3 * i : 3 * i + 3, 3 * (n + a) : 3 * (n + a) + 3] = np.cross(np.eye(3), offset).T
+        points = MassPoints(
+            np.array([nodes[a] + offset for a, _, offset in places]),
+            np.array([mass for _, mass, _ in places]),
+            csr_array(operator),
+        )
+        return FEModel(
+            nodes,
+            csr_array(K),
+            points.matrix(),
+            rotating=np.arange(n),
+            points=points,
+            node_groups={"root": np.array([0]), "tip": np.array([n - 1])},
+            name="beam chain",
+        )
+
+    return make

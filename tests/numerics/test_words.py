@@ -39,7 +39,7 @@ def test_words_that_share_their_last_part_alone_are_others():
         ("block.sldprt", "STEP"),
         ("module.skp", "trimesh"),
         ("a/b.odb", ".inp"),
-        ("m.unv", "gmsh"),
+        ("m.cgns", "gmsh"),
         ("m.exo", "meshio convert"),
     ],
 )

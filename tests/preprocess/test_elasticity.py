@@ -263,7 +263,7 @@ def test_impossible_material_is_refused(values, message):
 
 def test_material_names_every_wrong_property_at_once():
     with pytest.raises(InputError, match=r"(?s)young_modulus.*density.*poisson_ratio"):
-        Material(-1.0, 0.7, 0.0)
+        Material(-1.0, 0.7, -1.0)
 
 
 def test_matrices_that_do_not_fit_are_refused(distorted_bricks, steel):

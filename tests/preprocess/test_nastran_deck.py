@@ -170,10 +170,10 @@ def test_masses_and_springs_are_left_out_and_said(tmp_path):
         (
             "GRID,7,,",
             "GRID,7,2,",
-            r"line 7: GRID: node 7 has CP = 2, a coordinate system; expected nodes in basic",
+            r"line 7: GRID: coordinate system 2 does not exist; expected 0 or the number of a CORD",
         ),
-        ("GRID,7,,1.0,1.0,1.0", "GRID,7,,1.0,1.0,1.0,2", r"line 7: GRID: node 7 has CD = 2"),
-        ("GRID,1,", "GRDSET,,4\nGRID,1,", r"line 2: GRID: node 1 has CP = 4"),
+        ("GRID,7,,1.0,1.0,1.0", "GRID,7,,1.0,1.0,1.0,2", r"line 7: GRID: coordinate system 2 does not exist"),
+        ("GRID,1,", "GRDSET,,4\nGRID,1,", r"line 2: GRID: coordinate system 4 does not exist"),
         ("GRID,7,,1.0", "GRID,7,,one", r"line 7: GRID: 'one'; expected a number"),
         ("GRID,7,", "GRID,77,", r"element 1 \(CHEXA\): node 7 does not exist"),
         ("1,3,1,2,3", "1,3,1,2,x", r"line 9: CHEXA: 'x'; expected a whole number"),

@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from typing import Any
+
 import numpy as np
 import pytest
 from solid_beams import BENDING, DENSITY, LENGTH, SIDE, beam, cantilever
 
+from heavylift.modal.reduced import Interface
 from heavylift.numerics.outcome import Outcome
 from heavylift.solver.bodies.floating_frame.modal_range import ModalRange
-from heavylift.solver.forces.point import PointForce
 from heavylift.solver.joints.ball import Ball
+from heavylift.solver.joints.fixed import FixedJoint
 from heavylift.solver.scene.bodies import Driven, Free, Profile
 from heavylift.solver.scene.connections import JointFrame
-from heavylift.solver.scene.scene import Gravity, Scene
+from heavylift.solver.scene.scene import Gravity, RigidBody, Scene
 from heavylift.solver.simulation import Simulation
 
 DOWN = Gravity(np.array([0.0, 0.0, -9.81]))
@@ -173,18 +177,43 @@ def test_every_way_to_step_ends(options: dict[str, object]) -> None:
 
 
 def test_notes_on_a_scene_stand_beside_warnings_of_its_run() -> None:
-    """A force in the axes of a place that modes turn, and a deflection of 13 %: one does not hide the other."""
+    """Two ball joints that hold a chord, and a deflection of 13 %: one does not hide the other."""
     load = DENSITY * SIDE**2 * 9.81
     young = load * LENGTH**4 / (8.0 * 0.13 * LENGTH * SIDE**4 / 12.0)
     body = beam(cantilever(young=young), damping_ratio=np.full(8, 0.5))
-    small = PointForce(
-        name="push",
-        body="beam",
-        point=np.array([LENGTH, 0.0, 0.0]),
-        frame="body",
-        force=np.array([0.0, 1e-6, 0.0]),
+    cap = RigidBody("cap", 1e-6, 1e-9 * np.eye(3), position=np.array([LENGTH, 0.0, 0.0]))
+    places = [np.array([LENGTH, y, 0.0]) for y in (-0.01, 0.01)]
+    balls = tuple(
+        Ball(
+            name=f"ball{k}",
+            body_a="beam",
+            body_b="cap",
+            frame_a=JointFrame(place),
+            frame_b=JointFrame(place - cap.position),
+        )
+        for k, place in enumerate(places)
     )
-    run = Simulation(Scene((body,), (DOWN, small)), 1e-3, start="equilibrium")
+    run = Simulation(Scene((body, cap), (DOWN,), joints=balls), 1e-3, start="equilibrium")
     run.advance(1)
     assert "deforms by" in run.warning
-    assert "directions of 'push' on the flexible body 'beam' are those of its frame" in run.warning
+    assert "joints 'ball0', 'ball1' hold points of the flexible body 'beam'" in run.warning
+
+
+def test_the_rotation_of_a_place_that_a_joint_holds_is_watched() -> None:
+    """A bracket on a short stub turns where no mode moves anything far."""
+    reduced = cantilever()
+    motion = reduced.motion_at((LENGTH, 0.0, 0.0))
+    assert motion.rotation is not None
+    none = np.zeros((0, 3, 6))
+    point, nodes = np.array([0.5 * LENGTH, 0.0, 0.0]), np.zeros(0, dtype=np.int64)
+    bracket = Interface(point, motion.displacement, 3.0 * motion.rotation, nodes, none, none)
+    body = beam(replace(reduced, interfaces={"bracket": bracket}))
+    run = Simulation(Scene((body,), ()), 1e-3)
+    row = np.zeros((1, len(run.record())))
+    first = next(c.column for c in run.channels if c.name == "beam.modal_position")
+    row[0, first] = 0.2 / float(np.linalg.norm(3.0 * motion.rotation[0]))
+    sides: dict[str, Any] = {"body_a": "beam", "body_b": "load", "frame_a": JointFrame(point)}
+    for kind, expected in ((FixedJoint, 0.2), (Ball, 0.2 / 3.0)):
+        seen = ModalRange((body,), run.channels, (kind(name="bolt", **sides),))
+        seen.add(row)
+        assert seen.state[0, 1] == pytest.approx(expected, rel=0.02)

@@ -1,4 +1,4 @@
-"""Joints that hold directions of a body with modes: right where the frame is the place, refused where modes turn it."""
+"""Joints that hold directions of a body with modes: these turn with their places, and moments bend the body."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 from scipy.sparse import eye_array
-from solid_beams import BENDING, LENGTH, beam, cantilever
+from solid_beams import BENDING, DENSITY, LENGTH, SIDE, YOUNG, beam, cantilever
 
 from heavylift.modal.invariants import shape_integrals
-from heavylift.numerics.outcome import InputError
 from heavylift.solver.forces.point import PointForce
 from heavylift.solver.joints.ball import Ball
 from heavylift.solver.joints.distance import Distance
@@ -22,17 +22,27 @@ from heavylift.solver.joints.planar import Planar
 from heavylift.solver.joints.slider import Slider
 from heavylift.solver.joints.universal import Universal
 from heavylift.solver.layout import Layout, pack_scene
-from heavylift.solver.scene.connections import JointFrame, axes_about
+from heavylift.solver.scene.connections import GROUND, JointFrame, axes_about
 from heavylift.solver.scene.scene import FlexibleBody, Free, Gravity, RigidBody, Scene, Sensor
 from heavylift.solver.sensors.relative_motions import RelativeMotion
 from heavylift.solver.simulation import Simulation
+from heavylift.solver.start.rows import StartRows
+
+Array = NDArray[np.float64]
 
 ROOT, TIP = np.zeros(3), np.array([LENGTH, 0.0, 0.0])
+DOWN = Gravity(np.array([0.0, 0.0, -9.81]))
 TURNING = (FixedJoint, Hinge, Slider, Planar, Guide)
 
 
 def arm(at: Any) -> RigidBody:
     return RigidBody("arm", 2.0, 1e-3 * np.eye(3), position=np.array(at, dtype=float))
+
+
+def heights(run: Simulation) -> dict[str, float]:
+    """Of all positions at the start."""
+    row = run.record()
+    return {c.name: float(row[c.column + 2]) for c in run.channels if c.name.endswith(".position")}
 
 
 def packed(
@@ -47,25 +57,61 @@ def packed(
     return pack_scene(Scene((body or beam(cantilever()), arm(at)), joints=(kind(name="bolt", **sides),)))
 
 
+def turned(layout: Layout) -> set[bool]:
+    """Of the directions of the beam: whether modes turn them."""
+    markers = layout.bodies[0].markers
+    return set(markers["turned"][markers["direction"]].tolist())
+
+
 @pytest.mark.parametrize("first", [True, False])
 @pytest.mark.parametrize("kind", TURNING)
-def test_joint_that_holds_a_turning_direction_is_refused(kind: Any, first: bool) -> None:
-    with pytest.raises(
-        InputError, match=r"bolt.*\(1000, 0, 0\) mm.*modes turn it.*no moment.*'ball' joint and three rods"
-    ):
-        packed(kind, TIP, first=first)
+def test_directions_turn_with_their_place(kind: Any, first: bool) -> None:
+    """At the tip of a cantilever; not where it is clamped, nor beside the nodes there; at either end if it is free."""
+    assert turned(packed(kind, TIP, first=first)) == {True}
+    assert turned(packed(kind, ROOT, first=first)) == {False}
+    assert turned(packed(kind, (0.0, 0.01, -0.005), first=first)) == {False}
+    assert turned(packed(kind, ROOT, beam(cantilever(free=True), motion=Free()), first=first)) == {True}
 
 
-@pytest.mark.parametrize("kind", TURNING)
-def test_joint_where_the_frame_is_clamped_goes_on(kind: Any) -> None:
-    packed(kind, ROOT)
-    packed(kind, (0.0, 0.01, -0.005))  # off its nodes too
+def displaced(rows: StartRows, increment: Array) -> Array:
+    """Violations of all rows after a displacement, which is taken back."""
+    before = rows.snapshot()
+    rows.move(increment)
+    rows.fill()
+    found = rows.residual.copy()
+    rows.restore(before)
+    return found
 
 
-@pytest.mark.parametrize("kind", TURNING)
-def test_no_place_of_a_free_body_is_its_frame(kind: Any) -> None:
-    with pytest.raises(InputError, match="modes turn it"):
-        packed(kind, ROOT, beam(cantilever(free=True), motion=Free()))
+def test_rows_are_the_derivatives_of_what_they_hold() -> None:
+    """Of every joint that holds directions, on a free body whose places turn by 0.2 rad and more; fourth order."""
+    places = [(LENGTH, 0.0, 0.0), (0.4, 0.01, 0.0), (0.7, 0.0, 0.0), (0.0, 0.0, 0.0), (0.31, 0.002, 0.003)]
+    kinds = [*TURNING[:4], Universal]
+    reduced = cantilever(modes=10, free=True)
+    arms, joints = [], []
+    for k, (place, kind) in enumerate(zip(places, kinds, strict=True)):
+        a = axes_about(np.array([0.3, 1.0, -0.2]))
+        b = axes_about(np.cross(a[:, 2], [1.0, 0.0, 0.0])) if kind is Universal else a
+        arms.append(replace(arm(place), name=f"arm{k}"))
+        frames = {"frame_a": JointFrame(np.array(place), a), "frame_b": JointFrame(np.zeros(3), b)}
+        joints.append(kind(name=f"bolt{k}", body_a="beam", body_b=f"arm{k}", **frames))
+    layout = pack_scene(Scene((beam(reduced, motion=Free()), *arms), joints=tuple(joints)))
+    rows = StartRows(layout)
+    rng = np.random.default_rng(1)
+    size = np.where(np.arange(len(rows.inertia)) < 6, 0.3, 0.1)
+    tip = reduced.motion_at(TIP).rotation
+    assert tip is not None
+    start = size * rng.normal(size=len(size))
+    start[6 : 6 + reduced.mode_count] *= 0.3 / np.linalg.norm(start[6 : 6 + reduced.mode_count] @ tip)
+    rows.move(start)
+    rows.fill()
+    G = rows.jacobian().toarray()
+    step = 1e-3
+    for _ in range(4):
+        along = size * rng.normal(size=len(size))
+        along[6 : 6 + reduced.mode_count] *= 1.0 / np.linalg.norm(along[6 : 6 + reduced.mode_count] @ tip)
+        a, b, c, d = (displaced(rows, k * step * along) for k in (-2, -1, 1, 2))
+        np.testing.assert_allclose(G @ along, (a - 8.0 * b + 8.0 * c - d) / (12.0 * step), atol=1e-9)
 
 
 def test_joints_of_points_go_on() -> None:
@@ -98,23 +144,12 @@ def test_ball_and_three_rods_pass_the_moment() -> None:
     bodies = beam(reduced), weight
     pull = PointForce("pull", "arm", np.array([0.5, 0.0, 0.0]), force=np.array([0.0, 0.0, -19.62]))
     run = Simulation(Scene(bodies, (pull,), seen, tuple(joints)), 1e-4, start="equilibrium")
-    row = run.record()
-    height = {c.name: row[c.column + 2] for c in run.channels if c.name.endswith(".position")}
+    height = heights(run)
     force, a, L = 19.62, 0.5, LENGTH
     tip = -force * (L**3 / 3.0 + a * L**2 / 2.0) / BENDING
     np.testing.assert_allclose(height["tip.position"], tip, rtol=2e-3)
     load = tip - a * force * (L**2 / 2.0 + a * L) / BENDING
     np.testing.assert_allclose(height["load.position"], load, rtol=2e-3)
-
-
-def test_universal_joint_at_the_tip_is_refused() -> None:
-    frames = {
-        "frame_a": JointFrame(TIP, axes_about(np.array([0.0, 1.0, 0.0]))),
-        "frame_b": JointFrame(np.zeros(3), axes_about(np.array([0.0, 0.0, 1.0]))),
-    }
-    cross = Universal(name="bolt", body_a="beam", body_b="arm", **frames)
-    with pytest.raises(InputError, match="modes turn it"):
-        pack_scene(Scene((beam(cantilever()), arm(TIP)), joints=(cross,)))
 
 
 def test_direction_that_no_mode_turns_is_kept() -> None:
@@ -132,10 +167,11 @@ def test_direction_that_no_mode_turns_is_kept() -> None:
         labels=("bending",),
         residuals=np.zeros(1),
     )
-    nodes, weights = flat.locate(TIP)
-    assert not flat.turns(nodes, weights, (0.0, 1.0, 0.0))
-    assert flat.turns(nodes, weights, (1.0, 0.0, 0.0))
-    assert flat.turns(nodes, weights, (0.0, 0.0, 1.0))
+    rotation = flat.motion_at(TIP).rotation
+    assert rotation is not None
+    assert not flat.turns(rotation, (0.0, 1.0, 0.0))
+    assert flat.turns(rotation, (1.0, 0.0, 0.0))
+    assert flat.turns(rotation, (0.0, 0.0, 1.0))
 
 
 def test_rotation_of_a_place_is_the_slope_of_the_beam() -> None:
@@ -150,10 +186,59 @@ def test_rotation_of_a_place_is_the_slope_of_the_beam() -> None:
     assert np.abs(body.turn_at(*body.locate(ROOT))).max() == 0.0
 
 
-def test_measures_take_the_axes_of_the_frame_and_say_so() -> None:
+def test_measures_turn_with_their_place() -> None:
+    """The tip of a cantilever under a moment M turns by M L / E I, and moves by M L^2 / 2 E I."""
     seen = RelativeMotion(name="seen", body_a="ground", body_b="beam", point_a=np.zeros(3), point_b=TIP)
-    layout = pack_scene(Scene((beam(cantilever()),), (Gravity(np.array([0.0, 0.0, -9.81])), seen)))
-    assert any("'seen' on the flexible body 'beam' are those of its frame" in note for note in layout.notes)
+    reduced = cantilever(held=(tuple(TIP.tolist()),))
+    moment = 0.5
+    pulls = [  # a couple at the end of an arm without weight
+        PointForce(f"pull{k}", "arm", np.array([0.0, 0.0, z]), force=np.array([s * moment, 0.0, 0.0]))
+        for k, (z, s) in enumerate(((0.5, 1.0), (-0.5, -1.0)))
+    ]
+    sides = {
+        "body_a": "beam",
+        "frame_a": JointFrame(TIP),
+        "body_b": "arm",
+        "frame_b": JointFrame(np.zeros(3)),
+    }
+    joints = (FixedJoint(name="bolt", **sides),)
+    scene = Scene((beam(reduced), arm(TIP)), (*pulls, seen), joints=joints)
+    run = Simulation(scene, 1e-4, start="equilibrium")
+    row = run.record()
+    values = {c.name: row[c.column : c.column + len(c.components)] for c in run.channels}
+    angle = moment * LENGTH / BENDING
+    np.testing.assert_allclose(values["seen.rotation"], [0.0, angle, 0.0], rtol=1e-6, atol=1e-9)
+    np.testing.assert_allclose(values["seen.position"][2], -0.5 * angle * LENGTH, rtol=1e-4)
+    np.testing.assert_allclose(values["bolt.reaction_moment"], [0.0, -moment, 0.0], rtol=1e-3, atol=1e-6)
+
+
+def test_a_weight_at_the_end_of_a_rigid_arm_bends_the_beam_that_it_is_built_into() -> None:
+    """Tip F L^3 / 3 E I + F a L^2 / 2 E I; the load a (F L^2 / 2 + F a L) / E I lower. Without forces of inertia."""
+    reduced = cantilever(elements=40, modes=10, density=1.0, held=(tuple(TIP.tolist()),))
+    a, F, L = 0.5, 19.62, LENGTH
+    weight = RigidBody("arm", 2.0, 1e-3 * np.eye(3), np.array([a, 0.0, 0.0]), position=TIP)
+    built = FixedJoint(name="built_in", body_a="beam", body_b="arm", frame_a=JointFrame(TIP))
+    seen = (Sensor("tip", "beam", TIP), Sensor("load", "arm", np.array([a, 0.0, 0.0])))
+    scene = Scene((beam(reduced), weight), (DOWN,), seen, (built,))
+    height = heights(Simulation(scene, 1e-4, start="equilibrium"))
+    tip = -F * (L**3 / 3.0 + a * L**2 / 2.0) / BENDING
+    load = tip - a * F * (L**2 / 2.0 + a * L) / BENDING
+    np.testing.assert_allclose([height["tip.position"], height["load.position"]], [tip, load], rtol=2e-4)
+
+
+def test_a_free_beam_that_a_joint_builds_in_is_a_cantilever() -> None:
+    """``w L^4 / 8 E I`` under its own weight, and of shear ``w L^2 / 2 (5/6) G A``; the moment of that."""
+    reduced = cantilever(elements=40, modes=20, free=True, held=((0.0, 0.0, 0.0),))
+    built = FixedJoint(name="built_in", body_a=GROUND, body_b="beam")
+    scene = Scene((beam(reduced, motion=Free()),), (DOWN,), (Sensor("tip", "beam", TIP),), (built,))
+    run = Simulation(scene, 1e-4, start="equilibrium")
+    w = DENSITY * SIDE**2 * 9.81
+    shear = 0.5 * w * LENGTH**2 / (5.0 / 6.0 * 0.5 * YOUNG * SIDE**2)
+    expected = -(w * LENGTH**4 / (8.0 * BENDING) + shear)
+    np.testing.assert_allclose(heights(run)["tip.position"], expected, rtol=1e-4)
+    row = run.record()
+    at = next(c.column for c in run.channels if c.name == "built_in.reaction_moment")
+    np.testing.assert_allclose(row[at : at + 3], [0.0, -0.5 * w * LENGTH**2, 0.0], rtol=1e-4, atol=1e-6)
 
 
 def test_triangle_of_ball_joints_is_told() -> None:

@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
-from heavylift.pipeline.case.fields import GROUND, LengthVector, Section, SideName, reject
+from heavylift.pipeline.case.fields import GROUND, BodyPlace, Section, SideName, reject
 from heavylift.pipeline.case.rope_parts import has_lines
 
 __all__ = ["PlaceSection", "check_axes", "check_path", "check_place", "sensor_at"]
@@ -20,7 +20,7 @@ class PlaceSection(Section):
 
     body: SideName
     """A body, or ``"ground"``. Flexible bodies, frames and shells need a sensor at the point."""
-    point: LengthVector
+    point: BodyPlace
     """[m] in the coordinates of the geometry of the body; of the ground in the world."""
 
 

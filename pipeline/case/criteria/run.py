@@ -55,6 +55,10 @@ class Run(ABC):
         """
 
     @abstractmethod
+    def stress(self, body: str) -> Any:
+        """Stress of a flexible body with a table ``stress``, over the whole run."""
+
+    @abstractmethod
     def at_rest(self, name: str) -> float:
         """Value of a channel at the time at which the criterion takes it to be at rest."""
 

@@ -9,8 +9,8 @@ with the factor of K that the free velocity was found with. The rows of a joint 
 one pass over the modes serves all of them. At the end of the step A is the mass matrix there, D = 1. Of a driven
 frame only the modes move: y = 0.
 
-Direction markers turn with the frame only, point markers move with the finite-element model: a joint on a flexible body
-follows the rotation of the frame and the displacement of its point.
+Markers move and turn with their places: a joint on a flexible body follows the displacement of its point and the
+rotation there, and its moments bend the body.
 """
 
 from __future__ import annotations

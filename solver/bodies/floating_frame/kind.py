@@ -27,6 +27,7 @@ from heavylift.numerics.jit import kernel, view
 from heavylift.numerics.records import Records, Vector, Vector6
 from heavylift.numerics.rotation import rotation_matrix
 from heavylift.solver.bodies.frames.base import Frame, FrameBodies, FrameIndex
+from heavylift.solver.drive import FREE
 from heavylift.solver.interface import Workspace
 from heavylift.solver.scene.bodies import ModalOutputs
 
@@ -49,6 +50,11 @@ class FlexibleIndex(FrameIndex):
         Modes, and place of the first of them among those of all bodies.
     shape_start
         Place of its shape in the constants.
+    stiffening
+        Place of its geometric stiffening in the constants, -1 of a body without.
+    load_count, first_load, load_start
+        Loads at places that stiffen it, the first of them among those of all bodies, and place in the constants of what
+        finds them in generalised forces.
     parts
         Of its modes in a record.
     """
@@ -56,6 +62,10 @@ class FlexibleIndex(FrameIndex):
     mode_count: int
     first_mode: int
     shape_start: int
+    stiffening: int
+    load_count: int
+    first_load: int
+    load_start: int
     parts: ModalOutputs
 
 
@@ -127,7 +137,7 @@ class FloatingFrameBodies(FrameBodies):
     constants
         Packed inertia shapes (bodies of one reduced model share one), drives, and marker data: of a
         point its body-frame position [m] and mode shapes, 3 + 3 nf, component by component; of a
-        direction the body-frame vector.
+        direction the body-frame vector, and if modes turn it the rotations of its place, 3 + 3 nf.
     modal_position, modal_velocity, modal_acceleration
         State of the modes of all bodies: coordinates, rates, difference quotients of the rates; shape (modes,), as
         all of the following have for their last dimension.
@@ -150,6 +160,13 @@ class FloatingFrameBodies(FrameBodies):
         difference quotients only the first 3 n.
     midpoint_products, mid_velocity_products
         The same at the midpoint, and with the rates there.
+    shortened
+        Of bodies that stiffen: ``E q`` at the position of the inertia.
+    unforced
+        Velocities of a stage without joints and contacts, of bodies that forces at places stiffen.
+    row_loads
+        Forces and moments at places [N, N m], axes of the frames: means of those of joints in the last two steps, and
+        those of the last one.
     moves
         Whether the frame of any is free or driven.
     """
@@ -171,6 +188,7 @@ class FloatingFrameBodies(FrameBodies):
         "position_products",
         "velocity_products",
         "acceleration_products",
+        "row_loads",
     )
 
     # thin bodies first: above it errors are of order one
@@ -197,6 +215,9 @@ class FloatingFrameBodies(FrameBodies):
     acceleration_products: Floats1
     midpoint_products: Floats1
     mid_velocity_products: Floats1
+    shortened: Floats1
+    unforced: Floats1
+    row_loads: Floats2
     moves: bool
 
     def _inertia(self) -> NDArray[np.float64]:
@@ -247,10 +268,48 @@ class FloatingFrameBodies(FrameBodies):
         self.frame["lag"] = 0.0
         self.frame["at_end"] = False
 
+    def _soften(self, load: NDArray[np.float64]) -> None:
+        """Add what loads at places do to the stiffness: those that are there, and the joints of `take_reactions`."""
+        for number, row in enumerate(self.table):
+            if row.load_count:
+                n, m = row.mode_count, row.load_count
+                own = slice(row.dof + 6, row.dof + 6 + n)
+                at = row.stiffening + 7 * n * n
+                G = self.constants[at : at + m * n * n].reshape(m, n, n)
+                factors = self.row_loads[0, row.first_load : row.first_load + m] + self._loads_of(
+                    number, load
+                )
+                q = self.modal_position[row.first_mode : row.first_mode + n]
+                load[own] -= np.tensordot(factors, G, axes=1) @ q
+
+    def _loads_of(self, number: int, force: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Loads at the places of a body in generalised forces, shape (m,)."""
+        row = self.table[number]
+        width, m = 6 + row.mode_count, row.load_count
+        acting = force[row.dof : row.dof + width].copy()
+        acting[:3] = rotation_matrix(self.frame[number].orientation).T @ acting[:3]
+        found: NDArray[np.float64] = (
+            self.constants[row.load_start : row.load_start + m * width].reshape(m, width) @ acting
+        )
+        return found
+
+    def take_reactions(self, pull: NDArray[np.float64]) -> float:
+        """Let forces of joints at rest, on all velocities, stiffen; how far that changes what they did, relative."""
+        change = largest = 0.0
+        for number, row in enumerate(self.table):
+            if row.load_count:
+                held = slice(row.first_load, row.first_load + row.load_count)
+                now = self._loads_of(number, pull)
+                change = max(change, float(np.abs(now - self.row_loads[0, held]).max()))
+                largest = max(largest, float(np.abs(now).max()))
+                self.row_loads[:, held] = now
+        return change / largest if largest > 0.0 else 0.0
+
     def collect_load(self, work: Workspace, load: NDArray[np.float64]) -> None:
-        """The weight of the deformed bodies, and ``-k q``."""
+        """The weight of the deformed bodies, ``-k q``, and what the weight does to the stiffness."""
         super().collect_load(work, load)
         own = self._modal_dofs()
+        self._soften(load)
         load[own] -= self.stiffness * self.modal_position
         for row, frame in zip(self.table, self.frame, strict=True):
             modes = slice(row.first_mode, row.first_mode + row.mode_count)
@@ -259,6 +318,13 @@ class FloatingFrameBodies(FrameBodies):
             first_moment = frame.undeformed_first_moment + S @ self.modal_position[modes]
             load[row.dof + 3 : row.dof + 6] += np.cross(first_moment, inside)
             load[own[modes]] += inside @ S
+            if (
+                row.stiffening >= 0 and row.motion != FREE
+            ):  # of what is free, weight and support are in balance
+                n = row.mode_count
+                start = row.stiffening + 4 * n * n
+                G = self.constants[start : start + 3 * n * n].reshape(3, n, n)
+                load[own[modes]] += np.tensordot(inside, G, axes=1) @ self.modal_position[modes]
 
 
 # ---- where the data of one body lie, and the step ratio ----

@@ -13,10 +13,12 @@ the root is the whole spin across a slender body, and next to nothing about its 
 cantilever that bends by a tenth of its length under a load at its tip turns there by 0.15 rad and is 0.6 % shorter; in
 a frame that follows its mean motion a parabola is a sixth of its displacement, and half of its turn. A blade that turns
 at a third of its frequency has its lowest mode in the plane of rotation at 94 % of its frequency in place of 101 %
-(Southwell: w^2 + 0.19 Omega^2).
+(Southwell: w^2 + 0.19 Omega^2). Of modes with their geometric stiffening (`heavylift.modal.stiffening`) the spin is not
+looked at.
 
-The lowest frequency is that of the modes, and of a free frame the one that its joints leave, with their points at rest;
-a run only ends by the first, since what a joint ties may be light.
+Places that joints turn with are looked at, and of the others those that one of the lowest modes moves most. The lowest
+frequency is that of the modes, and of a free frame the one that its joints leave, with their points and the axes that
+they hold at rest; a run only ends by the first, since what a joint ties may be light.
 
 Records are looked at, at the ends of intervals.
 """
@@ -36,7 +38,7 @@ from heavylift.solver.bodies.floating_frame.packing import frame_inertia
 from heavylift.solver.bodies.frames.base import SLENDER
 from heavylift.solver.scene.bodies import Fixed, FlexibleBody, Free
 from heavylift.solver.scene.channels import Channel
-from heavylift.solver.scene.connections import Joint
+from heavylift.solver.scene.connections import Joint, JointFrame
 
 __all__ = ["ModalRange"]
 
@@ -71,7 +73,7 @@ class _Watched:
         Largest displacement of each mode over the size, and largest rotation, shape (2, nf).
     shapes
         Displacements over the size, of the nodes that some mode moves most, and rotations, of those that one of the
-        lowest does; each of shape (nf, 3 m).
+        lowest does and of the places of joints that hold directions; each of shape (nf, 3 m).
     inertia
         About the centre of mass over its largest value and the square of the lowest frequency, shape (3, 3).
     largest
@@ -188,30 +190,51 @@ class ModalRange:
 
 def _remedy(state: NDArray[np.float64], limits: NDArray[np.float64]) -> str:
     softer = "a body of type 'frame' or 'shell', which bends and turns as far as it likes"
-    return softer + (", or smaller loads" if np.any(state[:, :2] > limits[:, :2]) else ", or a slower drive")
+    if np.any(state[:, :2] > limits[:, :2]):
+        return f"{softer}, or smaller loads"
+    return f"{softer}, 'modes.stiffening' of the body, or a slower drive"
+
+
+def _joint_sides(body: FlexibleBody, joints: Sequence[Joint]) -> list[tuple[Joint, JointFrame]]:
+    """Joints on a body, with their frames on it."""
+    return [
+        (joint, frame)
+        for joint in joints
+        for name, frame in ((joint.body_a, joint.frame_a), (joint.body_b, joint.frame_b))
+        if name == body.name
+    ]
+
+
+def _held_axes(joint: Joint, frame: JointFrame) -> NDArray[np.float64]:
+    """Axes in the body frame about which rows of directions hold a place, shape (m, 3)."""
+    held = {
+        axis
+        for word, *axes in joint.ROWS
+        if word == "parallel" or (word == "square" and len(set(axes)) == 2)
+        for axis in "xyz"
+        if axis not in axes
+    }
+    return frame.axes[:, ["xyz".index(axis) for axis in sorted(held)]].T
 
 
 def _held_frequency(body: FlexibleBody, joints: Sequence[Joint]) -> float:
     """Square of the lowest frequency [rad^2/s^2] of a free body with its points in joints at rest, mechanisms apart."""
     reduced = body.reduced
     lowest = float(reduced.eigenvalues.min())
-    points = [
-        frame.point
-        for joint in joints
-        for name, frame in ((joint.body_a, joint.frame_a), (joint.body_b, joint.frame_b))
-        if name == body.name
-    ]
-    if not points or not isinstance(body.motion, Free) or lowest <= 0.0:
+    sides = _joint_sides(body, joints)
+    if not sides or not isinstance(body.motion, Free) or lowest <= 0.0:
         return lowest
     frame, coupling = frame_inertia(reduced.integrals)
     n = 6 + reduced.mode_count
     M, K, rows = np.eye(n), np.diag([*np.zeros(6), *reduced.eigenvalues]), []
     M[:6, :6], M[:6, 6:], M[6:, :6] = frame, coupling, coupling.T
-    for point in points:
-        nodes, weights = reduced.locate(point, source=body.name)
-        u1, u2, u3 = weights @ reduced.nodes[nodes]
+    for joint, place in sides:
+        (u1, u2, u3), displacement, rotation = reduced.motion_at(place.point, source=body.name)
         cross = np.array([[0.0, u3, -u2], [-u3, 0.0, u1], [u2, -u1, 0.0]])
-        rows.append(np.hstack([np.eye(3), cross, reduced.shapes_at(nodes, weights).T]))
+        rows.append(np.hstack([np.eye(3), cross, displacement.T]))
+        axes = _held_axes(joint, place)
+        turned = np.zeros((3, reduced.mode_count)) if rotation is None else rotation.T
+        rows.append(np.hstack([np.zeros_like(axes), axes, axes @ turned]))
     L = np.linalg.cholesky(M)
     J = np.linalg.solve(L, np.vstack(rows).T).T  # columns of unit mass
     _, sigma, vt = np.linalg.svd(J)
@@ -228,7 +251,18 @@ def _watched(body: FlexibleBody, columns: dict[str, int], joints: Sequence[Joint
     most = np.unique([lengths.argmax(axis=1), *np.abs(reduced.mode_shapes).argmax(axis=1).T])
     moved = reduced.mode_shapes[:, most].reshape(reduced.mode_count, -1) / reduced.size
     few = np.unique(lengths[:LOWEST].argmax(axis=1))
-    turned = np.stack([reduced.turn_at(np.array([node]), np.ones(1)) for node in few], axis=1)
+    places = [
+        reduced.motion_at(frame.point, source=body.name).rotation
+        for joint, frame in _joint_sides(body, joints)
+        if any(joint.rotational)
+    ]
+    turned = np.stack(
+        [
+            *(reduced.turn_at(np.array([node]), np.ones(1)) for node in few),
+            *(rotation for rotation in places if rotation is not None),
+        ],
+        axis=1,
+    )
     c = integrals.first_moment / integrals.mass
     second = integrals.inertia_kl - integrals.mass * np.outer(c, c)
     J = np.trace(second) * np.eye(3) - second
@@ -236,7 +270,8 @@ def _watched(body: FlexibleBody, columns: dict[str, int], joints: Sequence[Joint
     if moments[0] < SLENDER * moments[1]:  # twist about the axis of a slender body shortens nothing
         turned = turned - (turned @ axes[:, 0])[..., None] * axes[:, 0]
     lowest, held = float(reduced.eigenvalues.min()), _held_frequency(body, joints)
-    turns = not isinstance(body.motion, Fixed) and lowest > 0.0
+    # modes that know of their stiffening by inertia hold for any spin
+    turns = not isinstance(body.motion, Fixed) and lowest > 0.0 and reduced.stiffening is None
     return _Watched(
         body.name,
         reduced.size,

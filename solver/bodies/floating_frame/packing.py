@@ -8,10 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.modal.invariants import ShapeIntegrals
+from heavylift.modal.stiffening import PRODUCTS, Stiffening
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.records import records
 from heavylift.numerics.small import aligned
 from heavylift.solver.bodies.floating_frame.kind import FlexibleIndex, FloatingFrame, FloatingFrameBodies
+from heavylift.solver.bodies.floating_frame.stiffening_loads import find_loads, refuse_other_places
 from heavylift.solver.bodies.frames.base import SLENDER
 from heavylift.solver.body_places import BodyPlaces
 from heavylift.solver.drive import DRIVEN, FIXED, FREE, pack_drive
@@ -27,8 +29,8 @@ SMALLEST_FRAME_SHARE = 0.1
 """Of the inertia of a free body that its modes must not carry with them."""
 
 
-def pack_shape(integrals: ShapeIntegrals) -> NDArray[np.float64]:
-    """Flatten shape integrals into the block the kernels read.
+def pack_shape(integrals: ShapeIntegrals, stiffening: Stiffening | None = None) -> NDArray[np.float64]:
+    """Flatten shape integrals, corrected by the shortening of what bends, into the block the kernels read.
 
     The stacked matrices (8 n n), then S (3 n), Ibar antisymmetric (3 n), Ibar symmetric (6 n).
 
@@ -39,6 +41,12 @@ def pack_shape(integrals: ShapeIntegrals) -> NDArray[np.float64]:
     each matrix was slower: arithmetic limits here, not memory.)
     """
     S = integrals.mode_mode
+    if stiffening is not None:
+        S = S.copy()
+        for (k, l), E in zip(PRODUCTS, stiffening.second_moments, strict=True):
+            S[k, l] -= E
+            if k != l:
+                S[l, k] -= E
     Ibar = integrals.position_mode
     antisymmetric = ((1, 2), (2, 0), (0, 1))
     symmetric = ((0, 1), (0, 2), (1, 2))
@@ -92,13 +100,20 @@ def pack_floating_frames(
     counts = [body.reduced.mode_count for body in bodies]
     modal_starts = np.concatenate([[0], np.cumsum(counts)])
     total = int(modal_starts[-1])
-    kind = _empty(len(bodies), total)
+    load_counts = [0 if s is None else len(s.labels) for s in (body.reduced.stiffening for body in bodies)]
+    kind = _empty(len(bodies), total, sum(load_counts))
     constants: list[NDArray[np.float64]] = []  # shapes first: their blocks keep the alignment
     shape_starts: dict[int, int] = {}
     for body in bodies:
         if id(body.reduced) not in shape_starts:
             shape_starts[id(body.reduced)] = sum(map(len, constants))
-            constants.append(pack_shape(body.reduced.integrals))
+            constants.append(pack_shape(body.reduced.integrals, body.reduced.stiffening))
+    stiffening_starts: dict[int, int] = {}
+    for body in bodies:
+        stiffening = body.reduced.stiffening
+        if stiffening is not None and id(stiffening) not in stiffening_starts:
+            stiffening_starts[id(stiffening)] = sum(map(len, constants))
+            constants.append(_pack_stiffening(stiffening))
     dof = first_dof
     for row, (body, place) in enumerate(zip(bodies, columns, strict=True)):
         reduced = body.reduced
@@ -113,6 +128,13 @@ def pack_floating_frames(
         entry.parts = placed(ModalOutputs, place)
         entry.mode_count, entry.first_mode = counts[row], modal_starts[row]
         entry.shape_start = shape_starts[id(reduced)]
+        entry.stiffening = stiffening_starts.get(id(reduced.stiffening), -1)
+        entry.load_count, entry.first_load = load_counts[row], sum(load_counts[:row])
+        if load_counts[row]:
+            entry.load_start = sum(map(len, constants))
+            constants.append(find_loads(body).ravel())
+        if reduced.stiffening is not None:
+            refuse_other_places(body, markers[row])
         if isinstance(body.motion, Driven):
             constants.append(pack_drive(body.motion, body.position, body.orientation))
         frame, integrals = kind.frame[row], reduced.integrals
@@ -139,8 +161,8 @@ def pack_floating_frames(
             critical = np.sqrt(np.maximum(reduced.eigenvalues, 0.0))
             kind.damping[modes] = 2.0 * body.damping_ratio * critical
         dof += 6 + counts[row]
-    shapes_of = [_marker_shapes(body) for body in bodies]
-    marker_index = pack_markers(markers, shapes_of, constants)
+    shapes_of = [_point_shapes(body) for body in bodies]
+    marker_index = pack_markers(markers, shapes_of, constants, [_direction_turns(body) for body in bodies])
     sensor_index = pack_markers(sensors, shapes_of, constants)
     flat = aligned(sum(map(len, constants)))
     flat[:] = np.concatenate(constants)
@@ -153,8 +175,8 @@ def pack_floating_frames(
     )
 
 
-def _empty(bodies: int, modes: int) -> FloatingFrameBodies:
-    """All zeros, for some bodies that have some modes together; no constants and markers."""
+def _empty(bodies: int, modes: int, loads: int) -> FloatingFrameBodies:
+    """All zeros, for some bodies that have some modes and loads together; no constants and markers."""
     return FloatingFrameBodies(
         table=records(FlexibleIndex, bodies),
         constants=np.zeros(0),
@@ -178,11 +200,21 @@ def _empty(bodies: int, modes: int) -> FloatingFrameBodies:
         acceleration_products=aligned(8 * modes),
         midpoint_products=aligned(8 * modes),
         mid_velocity_products=aligned(8 * modes),
+        shortened=aligned(modes),
+        unforced=aligned(6 * bodies + modes if loads else 0),
+        row_loads=aligned((2, loads)),
         markers=records(PackedMarker, 0),
         sensors=records(PackedMarker, 0),
         driven=False,
         moves=False,
     )
+
+
+def _pack_stiffening(stiffening: Stiffening) -> NDArray[np.float64]:
+    """The trace of what second moments lose, matrices of accelerations and of loads, seven and more (n, n)."""
+    matrices = [stiffening.trace, *stiffening.angular, *stiffening.linear, *stiffening.loads]
+    block = np.concatenate([matrix.ravel() for matrix in matrices])
+    return np.concatenate([block, np.zeros(-len(block) % 8)])
 
 
 def _central_inertia(integrals: ShapeIntegrals) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -234,12 +266,33 @@ def _check_free_modes(name: str, integrals: ShapeIntegrals) -> None:
         )
 
 
-def _marker_shapes(body: FlexibleBody) -> Callable[[NDArray[np.float64]], NDArray[np.float64]]:
+def _point_shapes(body: FlexibleBody) -> Callable[[NDArray[np.float64]], NDArray[np.float64]]:
     """Return a function from a body-frame point to (undeformed position, 3 nf mode shape entries)."""
-    reduced = body.reduced
 
     def shapes(point: NDArray[np.float64]) -> NDArray[np.float64]:
-        nodes, weights = reduced.locate(point, source=body.name)
-        return np.concatenate([weights @ reduced.nodes[nodes], reduced.shapes_at(nodes, weights).T.ravel()])
+        place, displacement = body.reduced.point_at(point, source=body.name)
+        return np.concatenate([place, displacement.T.ravel()])
 
     return shapes
+
+
+def _direction_turns(
+    body: FlexibleBody,
+) -> Callable[[NDArray[np.float64], NDArray[np.float64]], NDArray[np.float64]]:
+    """Return a function from a direction at a body-frame point to it and 3 nf entries of the rotation of the place.
+
+    The direction alone, if modes do not turn it there.
+    """
+    reduced = body.reduced
+    known: dict[bytes, NDArray[np.float64] | None] = {}
+
+    def turns(direction: NDArray[np.float64], point: NDArray[np.float64]) -> NDArray[np.float64]:
+        key = point.tobytes()
+        if key not in known:
+            known[key] = reduced.motion_at(point, source=body.name).rotation
+        rotation = known[key]
+        if rotation is None or not reduced.turns(rotation, direction):
+            return np.asarray(direction, dtype=np.float64)
+        return np.concatenate([direction, rotation.T.ravel()])
+
+    return turns

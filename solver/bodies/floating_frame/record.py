@@ -26,6 +26,12 @@ from heavylift.solver.bodies.floating_frame.stage import (
     write_sensor,
 )
 from heavylift.solver.bodies.floating_frame.step import momentum_about_axis
+from heavylift.solver.bodies.floating_frame.stiffening import (
+    add_acceleration_forces,
+    add_load_forces,
+    add_quadratic_forces,
+    with_shortening,
+)
 from heavylift.solver.bodies.frames.motion import add_momenta, frame_outputs, held_outputs, write_motion
 from heavylift.solver.drive import DRIVEN, FIXED, FREE, drive_velocity
 from heavylift.solver.interface import (
@@ -84,6 +90,10 @@ def record_floating_frames(
     for body in range(kind.table.shape[0]):
         entry, first = kind.table[body], kind.table[body].first_mode
         if entry.motion == FIXED:
+            g = rotate_back(kind.frame[body].mid_rotation, work.sums.gravity)
+            q = kind.modal_position[first : first + entry.mode_count]
+            add_load_forces(kind, body, q)
+            add_acceleration_forces(kind, body, scaled(-1.0, g), (0.0, 0.0, 0.0), q)
             record_fixed(kind, body, work, row)
             continue
         write_motion(kind.frame[body], frame_outputs(row, entry.column))
@@ -132,7 +142,11 @@ def _write_reaction(
     # gravity acts like an acceleration of the frame in the other direction
     a = rotate_back(R, subtract(vector_at(motion, 6), work.sums.gravity))
     quadratic_modal_force(shape, modal_position, position_products, velocity_products, w, quadratic_force)
+    add_quadratic_forces(kind, body, w)
+    add_load_forces(kind, body, modal_position)
+    add_acceleration_forces(kind, body, a, b, modal_position)
     f, m = frame_velocity_forces(shape, modal_position, position_products, frame, w, modal_velocity)
+    m = with_shortening(kind, body, w, modal_velocity, m)
     p1 = p2 = p3 = 0.0
     l1 = l2 = l3 = 0.0
     for i in range(n):

@@ -1,8 +1,8 @@
 """Floating-frame bodies at a stage: markers, gathered forces, factor and solution, for integrators and the record.
 
 Markers are points and directions. A point moves with the displacement of the finite-element model there, which the
-shape functions of an element make from those of its nodes. A direction turns with the frame only, so joints that hold
-directions are refused where modes turn them (`heavylift.solver.bodies.floating_frame.turned`).
+shape functions of an element make from those of its nodes. A direction turns with the frame, and with its place where
+modes turn that (`heavylift.solver.bodies.floating_frame.turned_directions`).
 """
 
 from __future__ import annotations
@@ -20,6 +20,8 @@ from heavylift.solver.bodies.floating_frame.kind import (
     product_columns,
     shape_of,
 )
+from heavylift.solver.bodies.floating_frame.stiffening import correct_inertia
+from heavylift.solver.bodies.floating_frame.turned_directions import write_turned_direction
 from heavylift.solver.bodies.frames.motion import (
     add_wrench,
     columns_of,
@@ -68,8 +70,13 @@ def write_markers(kind: FloatingFrameBodies, level: int, work: Workspace) -> Non
         mid_modal_velocity = kind.mid_modal_velocity[modes]
         u1, u2, u3 = data[0], data[1], data[2]
         d1 = d2 = d3 = 0.0
+        by_modes = (0.0, 0.0, 0.0)
         jacobian = work.jacobian[number]
-        if not direction:
+        if packed.turned:
+            (u1, u2, u3), by_modes = write_turned_direction(
+                data, R, mid_modal_position, mid_modal_velocity, jacobian
+            )
+        elif not direction:
             for i in range(n):
                 q, qd = mid_modal_position[i], mid_modal_velocity[i]
                 phi1, phi2, phi3 = data[3 + i], data[3 + n + i], data[3 + 2 * n + i]
@@ -90,6 +97,8 @@ def write_markers(kind: FloatingFrameBodies, level: int, work: Workspace) -> Non
         if not direction:
             point = add(point, frame.mid_position)
             rate = rotate(R, add(add(vector(frame.mid_velocity), turned), (d1, d2, d3)))
+        elif packed.turned:
+            rate = add(rate, by_modes)
         for k in range(3):
             work.markers[number].point[k] = point[k]
             work.markers[number].velocity[k] = rate[k]
@@ -216,6 +225,7 @@ def stage_at_state(kind: FloatingFrameBodies, body: int, with_inertia: bool) -> 
             frame,
             kind.coupling[:, modes],
         )
+        correct_inertia(kind, body, kind.modal_position[modes])
 
 
 @implement(fill_markers, FloatingFrameBodies)

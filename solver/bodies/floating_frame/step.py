@@ -75,6 +75,13 @@ from heavylift.solver.bodies.floating_frame.stage import (
     solve_stage,
     update_products,
 )
+from heavylift.solver.bodies.floating_frame.stiffening import (
+    add_quadratic_forces,
+    add_step_forces,
+    correct_inertia,
+    keep_unforced,
+    take_row_loads,
+)
 from heavylift.solver.bodies.frames.motion import advance_pose, check_frames, orientation_of, predict_pose
 from heavylift.solver.drive import DRIVEN, FIXED, FREE, drive_pose, drive_velocity
 from heavylift.solver.interface import Workspace, advance, check, correct, factor, finish, predict
@@ -184,6 +191,7 @@ def predict_floating_frames(kind: FloatingFrameBodies, time: float, step: float)
             frame,
             kind.coupling[:, modes],
         )
+        correct_inertia(kind, body, mid_modal_position)
         moved = cross(
             subtract(frame.position, frame.mid_position),
             frame.linear_momentum,
@@ -202,8 +210,13 @@ def factor_floating_frames(kind: FloatingFrameBodies, step: float, work: Workspa
     for body in range(kind.table.shape[0]):
         n, first = kind.table[body].mode_count, kind.table[body].first_mode
         motion = kind.table[body].motion
+        dof = kind.table[body].dof
+        velocity = work.velocity[dof : dof + 6 + n]
+        middle = kind.mid_modal_position[first : first + n]
+        add_step_forces(kind, body, h, work.sums.gravity, middle)
         if motion == FIXED:
             factor_fixed(kind, body, h, work)
+            keep_unforced(kind, body, velocity, 0.0)
             continue
         frame = kind.frame[body]
         modes = slice(first, first + n)
@@ -254,6 +267,7 @@ def factor_floating_frames(kind: FloatingFrameBodies, step: float, work: Workspa
             vector(frame.mid_spin),
             quadratic_force,
         )
+        add_quadratic_forces(kind, body, vector(frame.mid_spin))
         if motion == FREE:
             force = add_scaled(frame.force, frame.mass, work.sums.gravity)
             p = rotate_back(R, add_scaled(frame.linear_momentum, 0.5 * h, force))
@@ -272,6 +286,7 @@ def factor_floating_frames(kind: FloatingFrameBodies, step: float, work: Workspa
                 frame.right_hand_side[3 + k] = frame.mean_twist[3 + k]
         clear_velocity(kind, body, work)
         solve_stage(kind, body, 0.5 * h, work)
+        keep_unforced(kind, body, velocity, 0.0)
 
 
 @implement(correct, FloatingFrameBodies)
@@ -303,7 +318,10 @@ def correct_floating_frames(kind: FloatingFrameBodies, step: float, work: Worksp
             vector_at(velocity, 3),
             kind.quadratic_force[first : first + n],
         )
+        add_quadratic_forces(kind, body, vector_at(velocity, 3))
+        keep_unforced(kind, body, velocity, -1.0)
         solve_stage(kind, body, 0.5 * step, work)
+        keep_unforced(kind, body, velocity, 1.0)
 
 
 # ---- the end of the step ----
@@ -335,6 +353,7 @@ def advance_floating_frames(kind: FloatingFrameBodies, time: float, step: float,
     for body in range(kind.table.shape[0]):
         n, first, dof = kind.table[body].mode_count, kind.table[body].first_mode, kind.table[body].dof
         motion = kind.table[body].motion
+        take_row_loads(kind, body, h, work.velocity[dof : dof + 6 + n])
         if motion == FIXED:
             advance_fixed(kind, body, h, work)
             continue
@@ -402,6 +421,7 @@ def evaluate_end(kind: FloatingFrameBodies, body: int) -> None:
         frame,
         kind.coupling[:, modes],
     )
+    correct_inertia(kind, body, kind.modal_position[modes])
     R = frame.end_rotation
     write_rotation_matrix(orientation_of(frame), R)
     if kind.table[body].motion == FREE:

@@ -31,6 +31,11 @@ from heavylift.solver.bodies.floating_frame.stage import (
     solve_stage,
     stage_at_state,
 )
+from heavylift.solver.bodies.floating_frame.stiffening import (
+    add_quadratic_forces,
+    add_step_forces,
+    with_shortening,
+)
 from heavylift.solver.bodies.frames.motion import advance_pose
 from heavylift.solver.drive import DRIVEN, FIXED, FREE, drive_velocity
 from heavylift.solver.interface import (
@@ -54,7 +59,11 @@ def thesis_velocity_floating_frames(
     for body in range(kind.table.shape[0]):
         n, first = kind.table[body].mode_count, kind.table[body].first_mode
         motion = kind.table[body].motion
+        if motion == DRIVEN:
+            drive_velocity(kind.constants[kind.table[body].drive :], time + h, kind.frame[body].drive_rates)
+        modal_position = kind.modal_position[first : first + n]
         if motion == FIXED:
+            add_step_forces(kind, body, h, work.sums.gravity, modal_position)
             thesis_velocity_fixed(kind, body, h, work)
             continue
         modes = slice(first, first + n)
@@ -67,6 +76,7 @@ def thesis_velocity_floating_frames(
         rates = kind.modal_velocity[modes]
         shape = shape_of(kind, body)
         stage_at_state(kind, body, True)
+        add_step_forces(kind, body, h, work.sums.gravity, modal_position)
         R = frame.mid_rotation
         g = rotate_back(R, work.sums.gravity)
         v = rotate_back(R, frame.velocity)
@@ -82,6 +92,7 @@ def thesis_velocity_floating_frames(
             w,
             quadratic_force,
         )
+        add_quadratic_forces(kind, body, w)
         for i in range(n):
             stiffness, damping = kind.stiffness[first + i], kind.damping[first + i]
             elastic = 1.0 + 0.25 * h * h * stiffness
@@ -104,6 +115,7 @@ def thesis_velocity_floating_frames(
             f, t = frame_velocity_forces(
                 shape, kind.modal_position[modes], position_products, frame, w, rates
             )
+            t = with_shortening(kind, body, w, rates, t)
             force = rotate_back(R, frame.force)
             moment = cross(frame.first_moment, g)
             for k in range(3):
@@ -112,7 +124,6 @@ def thesis_velocity_floating_frames(
             factor_frame(frame, inverse_diagonal, kind.translation[:, modes], coupling)
         elif motion == DRIVEN:
             prescribed = frame.drive_rates
-            drive_velocity(kind.constants[kind.table[body].drive :], time + h, prescribed)
             a = rotate_back(R, prescribed)
             for k in range(3):
                 frame.right_hand_side[k] = a[k]
@@ -180,6 +191,7 @@ def _add_drive_work(kind: FloatingFrameBodies, body: int, step: float, work: Wor
     p, l = body_momenta(shape, frame, I_tf, v, w, rates)
     p1, l1 = body_momenta(shape, frame, I_tf, v1, w1, velocity[6:])
     f, t = frame_velocity_forces(shape, kind.modal_position[modes], position_products, frame, w, rates)
+    t = with_shortening(kind, body, w, rates, t)
     g = rotate_back(R, work.sums.gravity)
     force = rotate_back(R, frame.force)
     weight = cross(frame.first_moment, g)

@@ -8,7 +8,8 @@ import pytest
 from heavylift.numerics.outcome import InputError, InputErrors, Outcome
 from heavylift.pipeline import load_case
 from heavylift.pipeline.checks.quantities import Quantities
-from heavylift.pipeline.results.model_io import read_states
+from heavylift.pipeline.report.bodies import _static_table
+from heavylift.pipeline.results.model_io import read_model, read_states
 from heavylift.pipeline.results.storage import OutputFolder
 from heavylift.pipeline.stages.stages import run_case
 
@@ -226,3 +227,42 @@ def test_a_free_body_bears_loads_that_are_in_balance(folder):
     assert quantities.number("static.bar.pull.stress.middle.xx") == pytest.approx(2e6, rel=1e-8)
     assert quantities.number("static.bar.pull.von_mises") == pytest.approx(2e6, rel=1e-8)
     assert abs(quantities.number("static.bar.pull.reaction.x")) < 1e-3
+
+
+COLUMN = f"""
+title = "A column"
+
+[bodies.column]
+type = "flexible"
+material = {{ young_modulus = {E}, poisson_ratio = 0, density = {RHO} }}
+mesh = {{ element = "hex8", divisions = {{ x = [20], y = [2], z = [2] }} }}
+modes = {{ count = 2, clamp = ["root"] }}
+frame = {{ motion = "fixed" }}
+static = [
+    {{ name = "push", buckling = true, loads = [{{ on = "tip", force = ["-1 kN", 0, 0] }}] }},
+    {{ name = "plain", loads = [{{ on = "tip", force = ["-1 kN", 0, 0] }}] }},
+]
+
+[bodies.column.geometry]
+type = "blocks"
+add = [{{ name = "bar", from = [0, 0, 0], to = [1, 0.02, 0.02] }}]
+groups = {{ root = {{ plane = "x", at = 0 }}, tip = {{ plane = "x", at = 1 }} }}
+"""
+
+
+def test_buckling_factor_of_a_load_case_that_asks_for_it(tmp_path):
+    """``pi^2 E I / 4 L^2`` over 1 kN, as quantity and in the report; the other one says what it lacks."""
+    (tmp_path / "case.toml").write_text(COLUMN)
+    case = load_case(tmp_path)
+    assert run_case(case, stages=("mesh", "modes")).outcome is Outcome.COMPLETED
+    quantities = Quantities(case, case.output_folder)
+    expected = np.pi**2 * E * 0.02**4 / 12.0 / 4.0 / 1e3
+    assert quantities.number("static.column.push.buckling") == pytest.approx(expected, rel=5e-3)
+    with pytest.raises(InputError) as caught:
+        quantities.number("static.column.plain.buckling")
+    assert "buckling = true" in str(caught.value)
+    states = read_states(OutputFolder(case.output_folder).reduced("column"))
+    rows = _static_table(read_model(OutputFolder(case.output_folder).model("column")), states).rows
+    words = {row[0]: row[-1] for row in rows}
+    assert words["plain"] == "not asked for"
+    assert float(words["push"]) == pytest.approx(expected, rel=5e-3)

@@ -7,8 +7,10 @@ from typing import Any
 
 import numpy as np
 import pytest
+from flexible_scenes import hit, plate
 
 from heavylift.contours.splines.neutral import neutral_curve, neutral_surface
+from heavylift.modal.stiffening import Stiffening
 from heavylift.numerics.outcome import InputError
 from heavylift.solver.contact.check_start import check_places
 from heavylift.solver.contact.kind import LOST, TOO_DEEP
@@ -23,6 +25,7 @@ from heavylift.solver.scene.contacts import (
     CylinderShape,
     EllipsoidShape,
     PointShape,
+    RigidLaw,
     SphereShape,
     Turn,
 )
@@ -165,3 +168,14 @@ def test_start_off_the_rail_is_refused() -> None:
 def test_contour_without_a_nearest_point_is_refused() -> None:
     with pytest.raises(InputError, match="no nearest point"):
         placed(1.0, LOST)
+
+
+def test_contacts_on_a_body_whose_loads_stiffen_it() -> None:
+    """Their forces move over it, and the stress of each is not known."""
+    scene = hit(plate((30.0,)), 0.1, 1.0, RigidLaw())
+    flexible, ball = scene.bodies
+    nothing = Stiffening(np.zeros((6, 1, 1)), np.zeros((3, 1, 1)), np.zeros((3, 1, 1)))
+    touched = replace(flexible, reduced=replace(flexible.reduced, stiffening=nothing))
+    pack_scene(scene)
+    with pytest.raises(InputError, match="touches the flexible body 'plate'"):
+        pack_scene(replace(scene, bodies=(touched, ball)))

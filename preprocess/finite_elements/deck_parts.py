@@ -1,0 +1,122 @@
+"""Plates, beams, masses and rigid elements of a deck, in its units: what readers of decks leave."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from heavylift.preprocess.structures.sections import BeamSection
+    from heavylift.preprocess.structures.structure import Average, PointMass, RigidLink, Tie
+
+__all__ = ["DeckBeams", "DeckFrame", "DeckPlates"]
+
+
+@dataclass(frozen=True, eq=False)
+class DeckPlates:
+    """Plates of one property; lengths and masses in units of the deck.
+
+    Attributes
+    ----------
+    name
+        Of the property, as sets of elements call it.
+    index
+        Numbers of the elements over all blocks of the deck, shape (ne,).
+    nodes
+        Rows of its points, shape (ne, 3) or (ne, 4).
+    material
+        Entry of its materials, -1 for none.
+    thickness
+        NaN where the deck has none, shape (ne,).
+    offset
+        From the nodes to the mid-surface along the normal, shape (ne,).
+    nonstructural_mass
+        Per area.
+    bends, stretches, bending_factor, shear_factor
+        As `Shells`.
+    loose
+        Whether they have no property, as meshers write groups: plates only if nothing else is there, or the case says.
+    file, place
+        Where the property stands, for messages.
+    """
+
+    name: str
+    index: NDArray[np.int64]
+    nodes: NDArray[np.int64]
+    material: int
+    thickness: NDArray[np.float64]
+    offset: NDArray[np.float64]
+    nonstructural_mass: float = 0.0
+    bends: bool = True
+    stretches: bool = True
+    bending_factor: float = 1.0
+    shear_factor: float = 5.0 / 6.0
+    loose: bool = False
+    file: Path | None = None
+    place: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class DeckBeams:
+    """Beams of one property; lengths and masses in units of the deck.
+
+    Attributes
+    ----------
+    name, index, nodes, material, loose, file, place
+        As of `DeckPlates`; two nodes.
+    section
+        None if the deck has none.
+    orientation
+        As of `Beams`, NaN where the deck has none, shape (ne, 3).
+    offset_a, offset_b
+        From the nodes to the centroid, axes of the deck, shape (ne, 3).
+    released
+        As of `Beams`, shape (ne, 12).
+    """
+
+    name: str
+    index: NDArray[np.int64]
+    nodes: NDArray[np.int64]
+    material: int
+    section: BeamSection | None
+    orientation: NDArray[np.float64]
+    offset_a: NDArray[np.float64]
+    offset_b: NDArray[np.float64]
+    released: NDArray[np.bool_]
+    loose: bool = False
+    file: Path | None = None
+    place: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class DeckFrame:
+    """What a deck has besides solids.
+
+    Attributes
+    ----------
+    plates, beams
+        By property.
+    masses, links, averages, ties
+        Between rows of the points of the deck, in its units.
+    refused
+        What a structure cannot be made with, in words, e.g. ``"2 composite properties PCOMP (first: line 8)"``.
+    notes
+        What was read and left out, with counts, one sentence each.
+    instead
+        Notes of the deck that do not hold for a structure: of what solids alone leave out.
+    """
+
+    plates: tuple[DeckPlates, ...] = ()
+    beams: tuple[DeckBeams, ...] = ()
+    masses: tuple[PointMass, ...] = ()
+    links: tuple[RigidLink, ...] = ()
+    averages: tuple[Average, ...] = ()
+    ties: tuple[Tie, ...] = ()
+    refused: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()
+    instead: tuple[str, ...] = ()

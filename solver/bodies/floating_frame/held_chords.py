@@ -1,0 +1,60 @@
+"""Joints that together hold chords of bodies with modes, which linear modes lengthen where they turn them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import combinations
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from heavylift.modal.reduced import ReducedBody
+    from heavylift.solver.scene.bodies import FlexibleBody
+
+__all__ = ["tell_held_chords"]
+
+_POINT = (False, False, False)  # rows of a joint that holds a point come first, and none of them is an angle
+
+
+def tell_held_chords(bodies: Sequence[FlexibleBody], joints: Sequence[Any]) -> tuple[str, ...]:
+    """Sentences on joints that together hold chords of bodies with modes where the modes turn these.
+
+    Linear modes lengthen what they turn by an angle a by a^2 / 2 of its length. Two points that another body holds at
+    their distance resist that, as no solid would: a triangle of three, where one point and three rods would do.
+    """
+    sentences = []
+    for body in bodies:
+        if not body.reduced.continuum:
+            continue
+        held: dict[str, list[tuple[str, NDArray[np.float64]]]] = {}
+        for joint in joints:
+            if tuple(joint.rotational[:3]) == _POINT and body.name in {joint.body_a, joint.body_b}:
+                first = joint.body_a == body.name
+                frame, other = (joint.frame_a, joint.body_b) if first else (joint.frame_b, joint.body_a)
+                held.setdefault(other, []).append((joint.name, np.asarray(frame.point, dtype=np.float64)))
+        for other, points in held.items():
+            names = {
+                name
+                for (a, p), (b, q) in combinations(points, 2)
+                if _turns_chord(body.reduced, p, q)
+                for name in (a, b)
+            }
+            if names:
+                named = ", ".join(repr(name) for name, _ in points if name in names)
+                sentences.append(
+                    f"joints {named} hold points of the flexible body {body.name!r} at fixed distances on {other!r}: "
+                    "where they turn by an angle a, its modes lengthen what is between them by a^2 / 2 of it, which "
+                    "they resist; take one of them, and rods (type 'distance') that hold no more than it needs"
+                )
+    return tuple(sentences)
+
+
+def _turns_chord(reduced: ReducedBody, p: NDArray[np.float64], q: NDArray[np.float64]) -> bool:
+    """Whether modes turn the chord of two points that are nearer than half of the size of the body."""
+    length = float(np.linalg.norm(q - p))
+    if not 0.0 < length < 0.5 * reduced.size:
+        return False
+    moved = reduced.point_at(q)[1] - reduced.point_at(p)[1]
+    return reduced.turns(moved / length, (q - p) / length)
