@@ -199,8 +199,8 @@ def _panels_of(
     outer = _outline(label, keys, shells.elements)
     centres, lengths, widths, thick, rows = [], [], [], [], []
     others = 0
-    for panel in range(count):
-        own = np.flatnonzero(label == panel)
+    members = np.split(np.argsort(label, kind="stable"), np.cumsum(np.bincount(label, minlength=count))[:-1])
+    for panel, own in enumerate(members):
         shape = _rectangle(structure.nodes, outer[panel], normal[own[0]], float(area[own].sum()))
         if shape is None:
             others += 1
