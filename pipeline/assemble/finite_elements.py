@@ -251,6 +251,10 @@ def in_body(case: Case, name: str, model_name: str = "") -> Iterator[None]:
         else:
             problem = f"{error.key}: {problem}" if error.key else problem
         key = f"modes.{key}" if key == "interface" else key
+        if case.bodies[name].geometry.type == "panels" and error.key.startswith(
+            ("plates.", "stiffeners.", "lugs.")
+        ):
+            problem, key = error.problem, f"geometry.{error.key}"
         raise InputError(
             problem,
             source=case.file,
