@@ -717,7 +717,12 @@ class FrameMaker:
     def _rigid_body(self, scope: Scope, place: int, card: Card, links: list[RigidLink]) -> None:
         node = self._reference(scope, place, card)
         at = (card.file, card.line)
-        for key, count in (("ELSET", 6), ("TIENSET", 6), ("PINNSET", 3)):
+        keys = (("ELSET", 6), ("NSET", 6), ("TIENSET", 6), ("PINNSET", 3))  # NSET: CalculiX
+        if not any(key in card.parameters for key, _ in keys):
+            card.fail("no set of nodes or elements", "ELSET, TIE NSET or PIN NSET")
+        if "ROTNODE" in card.parameters:
+            self.said["*RIGID BODY with a ROT NODE: its rotation is that of the REF NODE here"] += 1
+        for key, count in keys:
             word = card.parameters.get(key)
             if word is None:
                 continue

@@ -188,7 +188,7 @@ _SHELL_PROPERTIES, _BAR_PROPERTIES = {"PSHELL"}, {"PBAR", "PBARL", "PBEAM", "PBE
 _REFUSED = {
     r"PCOMPG?$": "composite properties",
     r"PBCOMP$": "composite sections",
-    r"(RBE1|RROD|RTRPLT1?|RSPLINE|RSSCON|RJOINT)$": "rigid elements that are not read",
+    r"(RBE1|RBAR1|RROD|RTRPLT1?|RSPLINE|RSSCON|RJOINT)$": "rigid elements that are not read",
     r"CONM1$": "mass matrices of nodes",
 }
 _ALL = np.ones(6, dtype=bool)

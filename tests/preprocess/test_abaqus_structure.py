@@ -331,6 +331,10 @@ def test_multi_point_constraints_and_rigid_bodies(tmp_path):
             "*COUPLING, REF NODE=1, SURFACE=S\n*KINEMATIC\n1, 2\n",
             r"line 15: \*KINEMATIC: single directions beside \*TRANSFORM",
         ),
+        (
+            PLATE + SECTION + "*RIGID BODY, REF NODE=1\n",
+            r"line 10: \*RIGID BODY: no set of nodes or elements",
+        ),
         (BEAM, r"B31: no section \(element 9\)"),
         (
             BEAM + "*BEAM SECTION, ELSET=Rib, MATERIAL=Steel, SECTION=HEX\n1., 1.\n",
