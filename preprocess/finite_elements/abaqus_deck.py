@@ -351,22 +351,18 @@ _CONSTRAINTS = {
     "SUBMODEL",
     "TIE",
 }
-# what a structure is read without, and is told
-_UNREAD = {
-    "ORIENTATION",
-    "TRANSFORM",
-    "NORMAL",
-    "HOURGLASSSTIFFNESS",
-    "SECTIONCONTROLS",
-    "BEAMADDEDINERTIA",
-    "INITIALCONDITIONS",
-    "AMPLITUDE",
-    "SPRING",
-    "DASHPOT",
-    "CONNECTORSECTION",
-    "FASTENER",
-    "RELEASE",
-    "DISTRIBUTION",
+# what says nothing of a body
+_SILENT = {
+    "HEADING",
+    "PREPRINT",
+    "STEP",
+    "ENDSTEP",
+    "RESTART",
+    "OUTPUT",
+    "NODEOUTPUT",
+    "ELEMENTOUTPUT",
+    "NODEFILE",
+    "ELFILE",
 }
 # generators and other ways to say a mesh, which are not read
 _GENERATORS = {
@@ -473,6 +469,10 @@ class _Reader:
             )
         if key == "STEP":
             self.in_steps = True
+        of_material = self.material is not None and key in {*_NONLINEAR, *_NOT_LINEAR}
+        known = key in self.verbs or key in FRAME_KEYWORDS or of_material
+        if (self.in_steps or not known) and key not in _CONSTRAINTS | _SILENT:
+            self.unread[card.shown] += 1
         if self.in_steps:
             return
         if key in _GENERATORS:
@@ -482,8 +482,6 @@ class _Reader:
             )
         if key in FRAME_KEYWORDS:
             self.scope.frame_cards.append(card)
-        elif key in _UNREAD:
-            self.unread[card.shown] += 1
         if key in self.verbs:
             self.verbs[key](card)
         elif key in {"MATRIXINPUT", "MATRIXASSEMBLE"}:
