@@ -283,7 +283,7 @@ def _reduce(
         assert flexibility is not None
         states = _static_states(flexibility, body)
     start = (float(origin[0]), float(origin[1]), float(origin[2]))
-    notes = [*arm_notes(elastic, fits), *([_held_note(joined)] if joined else [])]
+    notes = [*arm_notes(elastic, fits), *([_held_note(joined, model)] if joined else [])]
     return Reduction(reduced, start, states, notes)
 
 
@@ -299,9 +299,16 @@ def _attachment_modes(flexibility: Flexibility, loads: Loads) -> tuple[Basis, ND
     return bases.Basis(vectors.vectors[:, chosen], labels), compliance
 
 
-def _held_note(joined: Mapping[str, Fit]) -> str:
+def _held_note(joined: Mapping[str, Fit], model: FEModel) -> str:
+    """Sentence on places that joints hold; a point of a plate gets softer with each finer mesh."""
     names = ", ".join(repr(one) for one in joined)
-    return f"attachment modes for forces and moments of joints that hold its directions: {names}"
+    words = f"attachment modes for forces and moments of joints that hold its directions: {names}"
+    if model.structure is None or not model.structure.shells:
+        return words
+    return (
+        f"{words}; a plate that is held at a point gets softer with each finer mesh: an interface over a bracket or a "
+        "line of plating does not"
+    )
 
 
 def _stiffened(
