@@ -508,7 +508,7 @@ def reduced_properties(reduction: Reduction) -> dict[str, Any]:
     return {
         "notes": [*reduction.notes, *_large_deflections(reduced, states)],
         "interfaces": {
-            name: f"{100.0 * one.captured:.4g} % of its static compliance captured"
+            name: f"{round(100.0 * one.captured, 3):.4g} % of its static compliance captured"
             for name, one in reduced.interfaces.items()
         }
         or None,

@@ -18,7 +18,7 @@ def interface_table(reduced: ReducedBody) -> Table:
     """A row an interface."""
     rows = []
     for name, one in reduced.interfaces.items():
-        captured = f"{100.0 * one.captured:.4g}" if np.isfinite(one.captured) else ""
+        captured = f"{round(100.0 * one.captured, 3):.4g}" if np.isfinite(one.captured) else ""
         place = np.where(
             np.abs(one.point) > 1e-12 * reduced.size, one.point, 0.0
         )  # without what rounding leaves
