@@ -101,9 +101,9 @@ def fitted_surface(
     spaces = _spaces(len(points), extent, degrees, source)
     u = np.clip((place - low) / extent, 0.0, 1.0)
     _check_cover(spaces, u, extent, source)
-    B = np.einsum(
-        "ka,kb->kab", basis_matrix(spaces[0], u[:, 0]), basis_matrix(spaces[1], u[:, 1])
-    ).reshape(len(points), -1)
+    B = np.einsum("ka,kb->kab", basis_matrix(spaces[0], u[:, 0]), basis_matrix(spaces[1], u[:, 1])).reshape(
+        len(points), -1
+    )
     values = np.concatenate([points[np.newaxis], mode_shapes[:, members]])
     right = np.moveaxis(values, 1, 0).reshape(len(points), -1)
     control = _least_squares(B, _roughness(spaces), right)
@@ -117,7 +117,9 @@ def fitted_surface(
             expected="a smooth face without edges, a finer mesh, or a part of the face by 'from' and 'to'",
         )
     shaped = np.moveaxis(control.reshape(len(control), -1, 3), 1, 0)
-    contour = NeutralContour(spaces, np.ascontiguousarray(shaped[0]), np.ascontiguousarray(shaped[1:]), np.empty(0))
+    contour = NeutralContour(
+        spaces, np.ascontiguousarray(shaped[0]), np.ascontiguousarray(shaped[1:]), np.empty(0)
+    )
     return FaceFit(contour, distance)
 
 
