@@ -283,7 +283,11 @@ def _reduce(
         assert flexibility is not None
         states = _static_states(flexibility, body)
     start = (float(origin[0]), float(origin[1]), float(origin[2]))
-    notes = [*arm_notes(elastic, fits), *([_held_note(joined, model)] if joined else [])]
+    notes = [
+        *_ended_by_count(options, basis.labels),
+        *arm_notes(elastic, fits),
+        *([_held_note(joined, model)] if joined else []),
+    ]
     return Reduction(reduced, start, states, notes)
 
 
@@ -297,6 +301,19 @@ def _attachment_modes(flexibility: Flexibility, loads: Loads) -> tuple[Basis, ND
     compliance = np.sum(loads.forces * vectors.vectors, axis=0)
     labels = tuple(label for label, one in zip(vectors.labels, chosen, strict=True) if one)
     return bases.Basis(vectors.vectors[:, chosen], labels), compliance
+
+
+def _ended_by_count(options: ModesSection, labels: Sequence[str]) -> list[str]:
+    """Sentence if the number of eigenmodes ended before their frequency did."""
+    if options.up_to is None or not options.count:
+        return []
+    word = "fixed-interface mode" if options.basis == "craig_bampton" else "eigenmode"
+    found = sum(label.startswith(word) for label in labels)
+    if found < options.count:
+        return []
+    return [
+        f"WARNING: count = {options.count} ends before up_to = {options.up_to:.6g} Hz: there may be more modes"
+    ]
 
 
 def _held_note(joined: Mapping[str, Fit], model: FEModel) -> str:
