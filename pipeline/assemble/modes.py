@@ -283,7 +283,11 @@ def _reduce(
         assert flexibility is not None
         states = _static_states(flexibility, body)
     start = (float(origin[0]), float(origin[1]), float(origin[2]))
-    notes = [*arm_notes(elastic, fits), *([_held_note(joined)] if joined else [])]
+    notes = [
+        *_ended_by_count(options, basis.labels),
+        *arm_notes(elastic, fits),
+        *([_held_note(joined, model)] if joined else []),
+    ]
     return Reduction(reduced, start, states, notes)
 
 
@@ -299,9 +303,29 @@ def _attachment_modes(flexibility: Flexibility, loads: Loads) -> tuple[Basis, ND
     return bases.Basis(vectors.vectors[:, chosen], labels), compliance
 
 
-def _held_note(joined: Mapping[str, Fit]) -> str:
+def _ended_by_count(options: ModesSection, labels: Sequence[str]) -> list[str]:
+    """Sentence if the number of eigenmodes ended before their frequency did."""
+    if options.up_to is None or not options.count:
+        return []
+    word = "fixed-interface mode" if options.basis == "craig_bampton" else "eigenmode"
+    found = sum(label.startswith(word) for label in labels)
+    if found < options.count:
+        return []
+    return [
+        f"WARNING: count = {options.count} ends before up_to = {options.up_to:.6g} Hz: there may be more modes"
+    ]
+
+
+def _held_note(joined: Mapping[str, Fit], model: FEModel) -> str:
+    """Sentence on places that joints hold; a point of a plate gets softer with each finer mesh."""
     names = ", ".join(repr(one) for one in joined)
-    return f"attachment modes for forces and moments of joints that hold its directions: {names}"
+    words = f"attachment modes for forces and moments of joints that hold its directions: {names}"
+    if model.structure is None or not model.structure.shells:
+        return words
+    return (
+        f"{words}; a plate that is held at a point gets softer with each finer mesh: an interface over a bracket or a "
+        "line of plating does not"
+    )
 
 
 def _stiffened(
@@ -501,7 +525,7 @@ def reduced_properties(reduction: Reduction) -> dict[str, Any]:
     return {
         "notes": [*reduction.notes, *_large_deflections(reduced, states)],
         "interfaces": {
-            name: f"{100.0 * one.captured:.4g} % of its static compliance captured"
+            name: f"{round(100.0 * one.captured, 3):.4g} % of its static compliance captured"
             for name, one in reduced.interfaces.items()
         }
         or None,
