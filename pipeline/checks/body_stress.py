@@ -22,6 +22,7 @@ from heavylift.pipeline.results.storage import digest_bytes, digest_json
 from heavylift.pipeline.results.stress_io import (
     BodyStress,
     GroupStress,
+    PanelStress,
     PartEnvelope,
     read_stress,
     stress_digest_of,
@@ -127,6 +128,8 @@ def _computed(case: Case, name: str, folder: OutputFolder, results: Results, log
         correction, loads, notes = _correction(case, name, folder, model, reduced, shapes, results)
         shapes, modal = np.hstack([shapes, correction]), np.hstack([modal, loads])
     notes += _too_few_records(reduced, modal, results)
+    panels, more = _panels(case, name, body, model, shapes, modal)
+    notes += more
     found: list[list[GroupHistory]] = []
     envelopes: list[PartEnvelope] = []
     total, done = sum(map(len, parts)), 0
@@ -158,7 +161,58 @@ def _computed(case: Case, name: str, folder: OutputFolder, results: Results, log
         correction=correction,
         loads=loads,
         notes=tuple(notes),
+        panels=panels,
     )
+
+
+def _panels(
+    case: Case,
+    name: str,
+    body: FlexibleBodySection,
+    model: FEModel,
+    shapes: NDArray[np.float64],
+    coordinates: NDArray[np.float64],
+) -> tuple[PanelStress | None, list[str]]:
+    """Plate panels at all records, and sentences on them; None if they are not asked for."""
+    assert body.stress is not None
+    if not body.stress.panels:
+        return None, []
+    if model.structure is None:
+        raise InputError(
+            f"{name!r} has no plates",
+            source=str(case.file),
+            key=case.place(f"bodies.{name}.stress.panels"),
+            expected="a body with plates, or false",
+        )
+    from heavylift.modal.plate_panels import panel_use, plate_panels
+
+    properties = _properties(model)
+    own = {one.name: one for one in body.stress.groups}
+    named = set(own) if own and set(own) <= set(properties) else None
+    found = plate_panels(model, named)
+    strength = np.full(len(found.group), np.nan)
+    for number, group in enumerate(found.group):
+        owner = own[group] if group in own and own[group].has_strength else body.stress
+        if owner.yield_strength is not None:
+            strength[number] = owner.yield_strength
+        elif owner.grade is not None:
+            strength[number] = yield_strengths(owner.grade, found.thickness[number])
+    modal = np.asarray(found.operator @ shapes)
+    stress = (coordinates @ modal.T).reshape(len(coordinates), len(found.group), 5)
+    notes = []
+    if found.others:
+        notes.append(
+            f"{found.others} plane parts of plates are no rectangles and have no buckling stress here."
+        )
+    return PanelStress(
+        found.group,
+        found.centre,
+        found.length,
+        found.width,
+        found.thickness,
+        stress[..., [0, 2, 4]].astype(np.float32),
+        panel_use(found, stress, strength).astype(np.float32),
+    ), notes
 
 
 def model_columns(reduced: ReducedBody) -> NDArray[np.float64]:

@@ -79,6 +79,7 @@ plate = "plate"
 web = [0, 0, -1]
 
 [bodies.deck.stress]
+panels = true
 grade = "S355"
 thickness = "10 mm"
 hot_spots = [
@@ -268,7 +269,26 @@ def test_a_spinning_bar_bears_its_centrifugal_force_and_nothing_else(moved):
     )
 
 
+def test_plate_panels_are_told_with_their_buckling(resting, rested):
+    stress = body_stress(resting, "deck", OutputFolder(resting.output_folder), load_results(resting))
+    panels = stress.panels
+    assert panels.group == ("plate", "plate")
+    np.testing.assert_allclose(panels.length, 2.0)
+    np.testing.assert_allclose(panels.width, 0.1)
+    # in tension above its stiffener, by the mean moment q L^2 / 6 and the centroid of its section
+    area, below = 0.2 * 0.01 + 0.08 * 0.01, -0.045
+    centroid = 0.08 * 0.01 * below / area
+    second = 0.2 * 0.01**3 / 12.0 + 0.002 * centroid**2
+    second += 0.01 * 0.08**3 / 12.0 + 0.0008 * (below - centroid) ** 2
+    mean = RHO * area * G * LENGTH**2 / 6.0 * -centroid / second
+    np.testing.assert_allclose(panels.stress[0, :, 0], mean, rtol=0.03)
+    assert rested.number("stress.deck.plate.buckling.max") == pytest.approx(panels.use.max(), rel=1e-6)
+    # what is in tension is hardly used
+    assert 0.0 <= panels.use.max() < 1e-3
+
+
 REFUSED = {
+    "stress.held.root.buckling.max": "'panels = true'",
     "stress.held.nothing.von_mises.max": "a group of the stress of 'held': root, half",
     "stress.held.nothing.hot_spot.max": "a hot spot of the stress of 'held': toe",
     "stress.held.root.upper.von_mises.max": "GROUP.SIDE.von_mises",
