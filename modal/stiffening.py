@@ -89,6 +89,12 @@ class Stiffening:
         total: NDArray[np.float64] = self.second_moments[:3].sum(axis=0)
         return total
 
+    @property
+    def largest_of_spin(self) -> float:
+        """No less than the norm of the stiffness of a unit angular velocity about any axis."""
+        axes = [float(np.linalg.norm(self.of_spin(axis), 2)) for axis in np.eye(3)]
+        return max(axes) + 2.0 * max(float(np.linalg.norm(E, 2)) for E in self.second_moments[3:])
+
     def of_spin(self, w: NDArray[np.float64]) -> NDArray[np.float64]:
         """Stiffness [1/s2] of an angular velocity [rad/s] in axes of the frame, shape (nf, nf)."""
         total: NDArray[np.float64] = w @ w * self.trace

@@ -24,6 +24,7 @@ __all__ = [
     "FORCES",
     "RECORD",
     "ROWS",
+    "STIFFENED",
     "Bodies",
     "BodyKind",
     "Control",
@@ -82,6 +83,9 @@ __all__ = [
     "watch_motions",
     "write_velocity",
 ]
+
+STIFFENED = -(2**40)
+"""Block of a step that is too long for what loads do to the stiffness of a body with modes."""
 
 ROWS, FORCES, RECORD, ACCELERATIONS = range(4)
 """What markers are filled for: rows only; forces too; records too; all of it, with rates and second rates."""

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from heavylift.numerics.outcome import Outcome
+from heavylift.solver.interface import STIFFENED
 from heavylift.solver.layout import Layout
 
 __all__ = [
@@ -74,7 +75,10 @@ def stop_message(layout: Layout, when: str) -> str:
     if jolt:
         part, reason, vehicle = "transporter", jolt, thrown
         remedy = "a smaller step, softer oil or tyres, lower speed, or a ramp"
-    of_mesh = status.block < 0
+    if status.block == STIFFENED:
+        part, reason = "body", ": its stiffening by loads takes a shorter step"
+        remedy = "a smaller step, fewer static vectors of high frequency, or smaller loads along it"
+    of_mesh = STIFFENED < status.block < 0
     if of_mesh and part == "joint":  # the iteration of a mesh
         remedy, part = "a smaller step", "body"
     if outcome is Outcome.NOT_CONVERGED and part == "joint":

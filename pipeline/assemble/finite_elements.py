@@ -251,6 +251,10 @@ def in_body(case: Case, name: str, model_name: str = "") -> Iterator[None]:
         else:
             problem = f"{error.key}: {problem}" if error.key else problem
         key = f"modes.{key}" if key == "interface" else key
+        if case.bodies[name].geometry.type == "panels" and error.key.startswith(
+            ("plates.", "stiffeners.", "lugs.")
+        ):
+            problem, key = error.problem, f"geometry.{error.key}"
         raise InputError(
             problem,
             source=case.file,
@@ -361,8 +365,11 @@ def _parts(structure: Structure) -> dict[str, str | int]:
         ("beams", structure.beams),
         ("solids", structure.solids),
     ):
-        if parts:
-            found[word] = ", ".join(f"{part.name} {len(part.elements)}" for part in parts)
+        counts: dict[str, int] = {}
+        for part in parts:
+            counts[part.name] = counts.get(part.name, 0) + len(part.elements)
+        if counts:
+            found[word] = ", ".join(f"{name} {count}" for name, count in counts.items())
     for word, others in (
         ("masses", structure.masses),
         ("rigid links", structure.links),

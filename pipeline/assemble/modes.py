@@ -75,7 +75,8 @@ def held_directions(model: FEModel, supports: Sequence[BodySupportSection]) -> N
     Raises
     ------
     InputError
-        A group that does not exist, a support without a node, a body on both sides of its plane of symmetry.
+        A group that does not exist, a support without a node, a body on both sides of its plane of symmetry, rotations
+        of nodes that have none.
     """
     held = [np.empty(0, dtype=np.int64)]
     for index, support in enumerate(supports):
@@ -94,11 +95,22 @@ def held_directions(model: FEModel, supports: Sequence[BodySupportSection]) -> N
                     expected="half of a body, which ends at its plane of symmetry, or 'on' a group and 'fixed'; it "
                     f"spans {low:.6g} to {high:.6g} m",
                 )
-            held.append(3 * nodes + axis)
+            turning = model.rotation_dofs[nodes]
+            held += [
+                3 * nodes + axis,
+                *(turning[turning >= 0] + other for other in range(3) if other != axis),
+            ]
         else:
-            assert support.fixed is not None
             nodes = _place_nodes(model, support, key)
-            held += [3 * nodes + "xyz".index(axis) for axis in support.fixed]
+            held += [3 * nodes + "xyz".index(axis) for axis in support.fixed or ""]
+            turning = model.rotation_dofs[nodes]
+            if support.rotations is not None and not (turning >= 0).any():
+                raise InputError(
+                    f"rotations of {len(nodes)} node(s) that have none",
+                    key=f"{key}.rotations",
+                    expected="nodes of plates or beams",
+                )
+            held += [turning[turning >= 0] + "xyz".index(axis) for axis in support.rotations or ""]
     return np.unique(np.concatenate(held))
 
 
@@ -244,9 +256,7 @@ def _reduce(
     exact = {}
     for one, found in fits.items():
         assert flexibility is not None
-        loads = interfaces.attachment_loads(model, found, one)
-        vectors = bases.static_vectors(flexibility, loads)
-        exact[one] = np.sum(loads.forces * vectors.vectors, axis=0)
+        vectors, exact[one] = _attachment_modes(flexibility, interfaces.attachment_loads(model, found, one))
         if options.basis != "craig_bampton" or options.interface:
             basis += vectors
     joined = {}
@@ -254,7 +264,8 @@ def _reduce(
         joined = held_places(case, name, body, elastic, origin, fits.values())
     for one, found in joined.items():
         flexibility = flexibility or Flexibility(model, clamped)
-        basis += _felt(flexibility, interfaces.attachment_loads(model, found, f"joint {one}"))
+        loads = interfaces.attachment_loads(model, found, f"joint {one}")
+        basis += _attachment_modes(flexibility, loads)[0]
     reduced = reduce_body(
         model,
         basis.vectors,
@@ -276,14 +287,16 @@ def _reduce(
     return Reduction(reduced, start, states, notes)
 
 
-def _felt(flexibility: Flexibility, loads: Loads) -> Basis:
-    """Deflections under those loads of a place that are not borne by what is held there."""
+def _attachment_modes(flexibility: Flexibility, loads: Loads) -> tuple[Basis, NDArray[np.float64]]:
+    """Deflections under loads of a place, and its compliance along them; loads that supports bear make none."""
     from heavylift.modal import bases
 
     felt = flexibility.dofs.gathered(loads.forces)[flexibility.unknowns]
     chosen = np.abs(felt).max(axis=0, initial=0.0) > _BORNE * np.abs(loads.forces).max(axis=0)
-    labels = tuple(label for label, one in zip(loads.labels, chosen, strict=True) if one)
-    return bases.static_vectors(flexibility, bases.Loads(loads.forces[:, chosen], labels))
+    vectors = bases.static_vectors(flexibility, loads)
+    compliance = np.sum(loads.forces * vectors.vectors, axis=0)
+    labels = tuple(label for label, one in zip(vectors.labels, chosen, strict=True) if one)
+    return bases.Basis(vectors.vectors[:, chosen], labels), compliance
 
 
 def _held_note(joined: Mapping[str, Fit]) -> str:
@@ -300,7 +313,7 @@ def _stiffened(
     flexibility: Flexibility | None,
     fits: Mapping[str, Fit],
 ) -> ReducedBody:
-    """With what loads along it do to the stiffness; clamps hold shapes of a free body, but no load on it."""
+    """With what loads along it do to the stiffness; nothing holds a free body (its clamps are refused before)."""
     from heavylift.modal.bases import Loads, place_loads
     from heavylift.modal.flexibility import Flexibility
     from heavylift.modal.interfaces import attachment_loads
@@ -314,8 +327,7 @@ def _stiffened(
             expected="a frame that is 'fixed' or 'driven', or no supports",
         )
     stiffness_of = stress_stiffness(model, formulation=body.mesh.formulation)
-    if flexibility is None or (free and clamped.size):
-        flexibility = Flexibility(model, () if free else clamped)
+    flexibility = flexibility or Flexibility(model, clamped)
     stiffening = inertia_stiffening(flexibility, reduced, stiffness_of)
     at = [found.point for found in fits.values()]
     loads = [attachment_loads(model, found, name) for name, found in fits.items()]

@@ -191,6 +191,11 @@ class FlexibleBodySection(BodySection):
     initial: InitialSection = Field(default_factory=InitialSection)
     """Initial state."""
 
+    @property
+    def vector_count(self) -> int | None:
+        """Vectors of the basis, if its table tells; attachment modes of joints apart."""
+        return None if self.interfaces else self.modes.vector_count
+
     @model_validator(mode="after")
     def _fits(self) -> "FlexibleBodySection":
         given = self.geometry.type
@@ -272,14 +277,14 @@ class FlexibleBodySection(BodySection):
         twice = sorted({name for name in names if names.count(name) > 1})
         if twice:
             reject(f"load case {twice[0]!r} occurs {names.count(twice[0])} times", "one a name", key="static")
-        count = self.modes.vector_count
+        count = self.vector_count
         for key, given_count in (
             ("initial.modal_position", len(self.initial.modal_position)),
             ("initial.modal_velocity", len(self.initial.modal_velocity)),
         ):
             if count is not None and given_count > count:
                 reject(f"{given_count} values", f"at most {count}, one a mode", key=key)
-        if count is not None and len(self.modes.damping_ratio) not in {1, count}:
+        if count is not None and 1 < len(self.modes.damping_ratio) < count:  # of joints there may be more
             reject(f"{len(self.modes.damping_ratio)} values", f"1 or {count}", key="modes.damping_ratio")
         _check_initial(self.frame, self.initial)
         self._has_stress()

@@ -24,6 +24,7 @@ from heavylift.pipeline.case.equipment import Equipped, equip
 from heavylift.pipeline.case.errors import group_errors, input_errors
 from heavylift.pipeline.case.fields import CaseContext, Section, reject
 from heavylift.pipeline.case.interface_names import put_interface_points
+from heavylift.pipeline.case.interfaces import holding_joints
 from heavylift.pipeline.case.meshes import Body, FrameBodySection, ShellBodySection
 from heavylift.pipeline.case.overrides import apply_overrides
 from heavylift.pipeline.case.panels import with_lug_interfaces
@@ -370,7 +371,8 @@ class Case(SceneTables, _CaseHeading):
                 cases = [one.name for one in body.static]
                 known = f"one of the static load cases of {quantity.owner!r}: {', '.join(cases) or 'there are none'}"
                 return "" if quantity.item in cases else known
-            count = body.modes.vector_count
+            joined = holding_joints(self.joints, quantity.owner)
+            count = None if joined else body.vector_count
             if quantity.component and count is not None and int(quantity.component) > count:
                 return f"vector {quantity.component} of {count}"
         if quantity.family == "stress":

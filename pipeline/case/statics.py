@@ -58,25 +58,28 @@ class BodySupportSection(_PlaceSection):
     """Nodes of a flexible body that do not move in its frame, in some directions or in all; or a plane of symmetry."""
 
     fixed: Directions | None = None
-    """Directions that are held, in axes of the geometry: ``"xyz"`` clamps."""
+    """Directions that are held, in axes of the geometry: ``"xyz"`` clamps solids."""
+    rotations: Directions | None = None
+    """Axes about which nodes of plates and beams do not turn: ``"xyz"`` with `fixed` clamps these."""
     symmetry: Literal["x", "y", "z"] | None = None
     """In place of a group and `fixed`: half of a body that is symmetric to a plane across this axis; nodes in the plane
-    do not leave it."""
+    do not leave it, and those of plates and beams turn about this axis only."""
     at: Annotated[float, Quantity("length")] = 0.0
     """Coordinate of the plane of symmetry [m]."""
 
     @model_validator(mode="after")
     def _is_complete(self) -> Self:
-        if (self.fixed is None) == (self.symmetry is None):
+        given = [key for key in ("fixed", "rotations") if getattr(self, key) is not None]
+        if bool(given) == (self.symmetry is not None):
             reject(
-                "both 'fixed' and 'symmetry'" if self.fixed else "neither 'fixed' nor 'symmetry'",
-                "'fixed' (directions of a group or box), or 'symmetry' (a plane)",
+                f"both {given[0]!r} and 'symmetry'" if given else "neither 'fixed' nor 'symmetry'",
+                "'fixed' or 'rotations' (of a group or box), or 'symmetry' (a plane)",
             )
         if self.symmetry is not None and self.is_somewhere:
             reject("'symmetry' with a group or box", "'symmetry' and 'at' alone", key="symmetry")
-        if self.fixed is not None and not self.is_somewhere:
-            reject("'fixed' without a place", "'on' (groups), or a box 'from', 'to'", key="fixed")
-        if self.fixed is not None and "at" in self.model_fields_set:
+        if given and not self.is_somewhere:
+            reject(f"{given[0]!r} without a place", "'on' (groups), or a box 'from', 'to'", key=given[0])
+        if given and "at" in self.model_fields_set:
             reject("'at' without 'symmetry'", "'symmetry', or a group or box", key="at")
         return self
 

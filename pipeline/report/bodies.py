@@ -222,7 +222,9 @@ def _place(place: Any) -> str:
 def _support(support: Any) -> str:
     if support.symmetry is not None:
         return f"symmetry, {support.symmetry} = {number_words(support.at, 'm')}"
-    return f"{_place(support)}: {support.fixed} held"
+    held = [support.fixed] if support.fixed else []
+    held += [f"rotations about {support.rotations}"] if support.rotations else []
+    return f"{_place(support)}: {' and '.join(held)} held"
 
 
 def _static_load(load: Any) -> str:

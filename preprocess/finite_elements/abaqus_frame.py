@@ -200,6 +200,7 @@ class FrameMaker:
             refused,
             tuple(note for note in (*self._words(), without, *notes) if note),
             tuple(instead),
+            frozenset({"MASS", "ROTARYI"}),
         )
 
     def _words(self) -> list[str]:

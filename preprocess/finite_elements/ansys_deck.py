@@ -519,7 +519,14 @@ class _Reader:
             )
         notes += [f"{n} {words}" for words, n in self.said.items() if n]
         return DeckFrame(
-            made_plates, made_beams, tuple(masses), tuple(links), (), self._ties(row), refused, tuple(notes)
+            made_plates,
+            made_beams,
+            tuple(masses),
+            tuple(links),
+            ties=self._ties(row),
+            refused=refused,
+            notes=tuple(notes),
+            also=frozenset({"MASS21", "MPC184"}),
         )
 
     def _of_section(self, label: int, kind: str, user: _Element) -> _Section:

@@ -69,6 +69,8 @@ class DeckBeams:
     ----------
     name, index, nodes, material, loose, file, place
         As of `DeckPlates`; two nodes.
+    optional
+        Whether they are lines of a mesh that has no properties at all: beams only if the case says so.
     section
         None if the deck has none.
     orientation
@@ -89,6 +91,7 @@ class DeckBeams:
     offset_b: NDArray[np.float64]
     released: NDArray[np.bool_]
     loose: bool = False
+    optional: bool = False
     file: Path | None = None
     place: str = ""
 
@@ -109,6 +112,8 @@ class DeckFrame:
         What was read and left out, with counts, one sentence each.
     instead
         Notes of the deck that do not hold for a structure: of what solids alone leave out.
+    also
+        Types of elements that `masses` and `links` are made of.
     """
 
     plates: tuple[DeckPlates, ...] = ()
@@ -120,3 +125,4 @@ class DeckFrame:
     refused: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
     instead: tuple[str, ...] = ()
+    also: frozenset[str] = frozenset()

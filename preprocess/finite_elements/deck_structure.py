@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -362,11 +363,13 @@ class _Maker:
             own[one.index].any() and not one.loose for one in _parts(frame.plates, frame.beams)
         )
         plates = [one for one in plates if own[one.index].any() and not (groups and one.loose)]
-        beams = [one for one in beams if own[one.index].any() and not (groups and one.loose)]
+        beams = [
+            one for one in beams if own[one.index].any() and not (one.loose and (groups or one.optional))
+        ]
         taken = solid.copy()
         for one in _parts(plates, beams):
             taken[one.index] = own[one.index]
-        self._refuse_others(own & ~taken)
+        self._refuse_others(own & ~taken, bool(solid.any()))
         rows = self._merged(own & taken, plates, beams, merge_nodes)
         if part is not None:
             taken = self._part(taken & own, plates, beams, rows, part)
@@ -415,16 +418,20 @@ class _Maker:
         members[known[name.upper()]] = True
         return members
 
-    def _refuse_others(self, others: NDArray[np.bool_]) -> None:
+    def _refuse_others(self, others: NDArray[np.bool_], have_solids: bool) -> None:
         wrong = []
         for block, start in _blocks(self.deck):
             own = np.flatnonzero(others[start : start + len(block.labels)])
-            if own.size and not block.harmless and not self._is_loose(start + own):
+            # of meshes without properties: plates with middle nodes, where they are no groups of solids
+            curved = not have_solids and re.fullmatch(r"'?(triangle[67]|quad[89])'?", block.name)
+            if own.size and (curved or (not block.harmless and not self._is_loose(start + own))):
                 wrong.append((block, own.size, block.labels[own[0]]))
-            elif own.size and block.words:
+            elif own.size and block.name.strip("'") == "line":
+                self.notes.append(f"left out: {own.size} lines without a section, which are groups")
+            elif own.size and block.words and block.name not in self.frame.also:
                 self.notes.append(f"left out: {own.size} {block.words} {block.name}")
         if wrong:
-            words = ", ".join(f"{n} {block.words} {block.name}" for block, n, _ in wrong)
+            words = ", ".join(f"{n} {block.words or 'cells'} {block.name}" for block, n, _ in wrong)
             raise InputError(
                 f"contains {words} (first: element {wrong[0][2]})",
                 source=self.deck.source,

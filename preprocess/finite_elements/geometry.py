@@ -371,6 +371,7 @@ def loose_frame(cells: Sequence[tuple[str, NDArray[np.int64]]]) -> DeckFrame:
                     offset_b=zeros,
                     released=np.zeros((count, 12), dtype=bool),
                     loose=True,
+                    optional=True,
                 )
             )
     return DeckFrame(tuple(plates), tuple(beams))

@@ -319,7 +319,14 @@ class FrameBuilder:
         )
         notes = tuple(f"{count} {words}" for words, count in self.said.items() if count)
         return DeckFrame(
-            made_plates, made_beams, tuple(masses), tuple(links), tuple(averages), (), refused, notes
+            made_plates,
+            made_beams,
+            tuple(masses),
+            tuple(links),
+            tuple(averages),
+            refused=refused,
+            notes=notes,
+            also=frozenset({"CONM2"}),
         )
 
     # -- nodes and axes --

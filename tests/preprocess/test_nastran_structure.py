@@ -320,6 +320,7 @@ def test_a_mass_beside_its_node(tmp_path):
     turned = "CORD2R,6,,0.,0.,0.,0.,0.,1.,\n,0.,1.,0.\n"
     (mass,) = read(tmp_path, PLATE + turned + "CONM2,20,3,6,2.5,0.1,0.2,0.3,\n,3.,,4.,,,5.\n").masses
     assert mass.offset == pytest.approx([-0.2, 0.1, 0.3])
+    assert not any("left out" in note for note in read(tmp_path, PLATE + "CONM2,20,3,,2.5\n").notes)
     np.testing.assert_allclose(mass.inertia, np.diag([4.0, 3.0, 5.0]), atol=1e-15)
 
 

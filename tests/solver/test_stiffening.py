@@ -173,7 +173,7 @@ CRITICAL = np.pi**2 * BENDING / (4.0 * LENGTH**2)
 """Load along a cantilever that buckles it [N]."""
 
 
-def pulled(force: float, way: str, **options: object) -> Simulation:
+def pulled(force: float, way: str, step: float = 1e-4, **options: object) -> Simulation:
     """A cantilever with a force across its tip, and one along it that acts there itself or on a block in a joint."""
     reduced = cantilever(modes=6, points=(TIP,), stiffening=True)
     body = beam(reduced, damping_ratio=np.zeros(reduced.mode_count))
@@ -183,7 +183,7 @@ def pulled(force: float, way: str, **options: object) -> Simulation:
     along = np.array([[force, 0.0, 0.0]])
     if way == "force":
         return Simulation(
-            Scene((body,), (gravity, across, PointForce("p", "beam", tip, times, along))), 1e-4, **options
+            Scene((body,), (gravity, across, PointForce("p", "beam", tip, times, along))), step, **options
         )
     mass = 1e-3  # a light block at the tip, which the force acts on
     block = RigidBody("block", mass=mass, inertia=1e-6 * np.eye(3), position=tip)
@@ -195,7 +195,7 @@ def pulled(force: float, way: str, **options: object) -> Simulation:
         frame_a=JointFrame(tip, np.eye(3)),
         frame_b=JointFrame(np.zeros(3), np.eye(3)),
     )
-    return Simulation(Scene((body, block), (gravity, across, force_on), joints=(ball,)), 1e-4, **options)
+    return Simulation(Scene((body, block), (gravity, across, force_on), joints=(ball,)), step, **options)
 
 
 @pytest.mark.parametrize("way", ["force", "joint"])
@@ -246,3 +246,22 @@ def test_loads_that_modes_do_not_tell_apart_are_refused() -> None:
     )
     with pytest.raises(InputError, match="tell apart"):
         Simulation(Scene((beam(replace(bare, stiffening=part)),), ()), 1e-4)
+
+
+def test_a_step_too_long_for_the_stiffening_is_halved_and_no_step_ends_with_a_word() -> None:
+    """``h^2 g < 4``: the change g is largest for the static vector of the load, whose shape is sharpest."""
+    reduced = cantilever(modes=6, points=(TIP,), stiffening=True)
+    assert reduced.stiffening is not None
+    g = 0.5 * CRITICAL * np.linalg.norm(reduced.stiffening.loads[0], 2)
+    step = 1.5 * 2.0 / np.sqrt(g)
+    counts = []
+    for factor in (0.5, 1.0):
+        run = pulled(0.5 * CRITICAL, "force", factor * step)
+        run.advance(20)
+        assert run.outcome is Outcome.COMPLETED
+        counts.append(run.solver_steps)
+    assert counts == [20, 40]
+    far = pulled(1e16, "force")
+    far.advance(1)
+    assert far.outcome is Outcome.NOT_CONVERGED
+    assert "body 'beam': its stiffening by loads takes a shorter step" in far.message

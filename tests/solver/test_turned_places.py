@@ -22,6 +22,7 @@ from heavylift.solver.joints.planar import Planar
 from heavylift.solver.joints.slider import Slider
 from heavylift.solver.joints.universal import Universal
 from heavylift.solver.layout import Layout, pack_scene
+from heavylift.solver.markers import MarkerBook, pack_markers
 from heavylift.solver.scene.connections import GROUND, JointFrame, axes_about
 from heavylift.solver.scene.scene import FlexibleBody, Free, Gravity, RigidBody, Scene, Sensor
 from heavylift.solver.sensors.relative_motions import RelativeMotion
@@ -32,6 +33,7 @@ Array = NDArray[np.float64]
 
 ROOT, TIP = np.zeros(3), np.array([LENGTH, 0.0, 0.0])
 DOWN = Gravity(np.array([0.0, 0.0, -9.81]))
+SIDES = ("name", "body_a", "body_b", "frame_a", "frame_b")
 TURNING = (FixedJoint, Hinge, Slider, Planar, Guide)
 
 
@@ -250,4 +252,22 @@ def test_triangle_of_ball_joints_is_told() -> None:
     )
     layout = pack_scene(Scene((beam(cantilever()), arm(TIP)), joints=joints))
     assert any("joints 'b0', 'b1', 'b2' hold points" in note for note in layout.notes)
+    welds = tuple(FixedJoint(**{key: getattr(ball, key) for key in SIDES}) for ball in joints[:2])
+    layout = pack_scene(Scene((beam(cantilever()), arm(TIP)), joints=welds))
+    assert any("joints 'b0', 'b1' hold points" in note for note in layout.notes)
     assert not pack_scene(Scene((beam(cantilever()), arm(TIP)), joints=joints[:1])).notes
+
+
+def test_directions_of_vehicles_are_those_of_the_frame() -> None:
+    """Their bogies stand beside the body: no place of it is looked for."""
+    book = MarkerBook()
+    book.direction("beam", np.array([1.0, 0.0, 0.0]), at=np.array([0.0, 0.0, -5.0]), turning=False)
+    constants: list[Array] = []
+
+    def place(*_: Array) -> Array:
+        raise AssertionError
+
+    markers = pack_markers(book.of(["beam"]), [place], constants, [place])
+    assert markers["direction"].tolist() == [True]
+    assert markers["turned"].tolist() == [False]
+    np.testing.assert_array_equal(constants[0], [1.0, 0.0, 0.0])

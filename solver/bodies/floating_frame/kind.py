@@ -103,6 +103,8 @@ class FloatingFrame(Frame, whole_lines=True):
         Rotation matrix at the end of the step, row by row.
     at_end
         Whether inertia and velocities belong to the end of the step.
+    stiffening_rate
+        Of a body that stiffens: no less than the largest change of its modal stiffness in this step [1/s2].
     factor, negative_factor
         Cholesky factor of the frame block, 6 x 6, row by row; the same, its numbers off the diagonal with the other
         sign.
@@ -125,6 +127,7 @@ class FloatingFrame(Frame, whole_lines=True):
     mid_pose: Annotated[NDArray[np.float64], (7,)]
     end_rotation: Annotated[NDArray[np.float64], (9,)]
     at_end: bool
+    stiffening_rate: float
     factor: Annotated[NDArray[np.float64], (36,)]
     negative_factor: Annotated[NDArray[np.float64], (36,)]
 

@@ -211,9 +211,13 @@ def _empty(bodies: int, modes: int, loads: int) -> FloatingFrameBodies:
 
 
 def _pack_stiffening(stiffening: Stiffening) -> NDArray[np.float64]:
-    """The trace of what second moments lose, matrices of accelerations and of loads, seven and more (n, n)."""
+    """The trace of what second moments lose, matrices of accelerations and of loads, seven and more (n, n); norms.
+
+    Norms are that of a unit spin about any axis, and of the matrices from the second one on.
+    """
     matrices = [stiffening.trace, *stiffening.angular, *stiffening.linear, *stiffening.loads]
-    block = np.concatenate([matrix.ravel() for matrix in matrices])
+    norms = [stiffening.largest_of_spin, *(float(np.linalg.norm(matrix, 2)) for matrix in matrices[1:])]
+    block = np.concatenate([*(matrix.ravel() for matrix in matrices), norms])
     return np.concatenate([block, np.zeros(-len(block) % 8)])
 
 

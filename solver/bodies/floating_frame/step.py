@@ -84,7 +84,7 @@ from heavylift.solver.bodies.floating_frame.stiffening import (
 )
 from heavylift.solver.bodies.frames.motion import advance_pose, check_frames, orientation_of, predict_pose
 from heavylift.solver.drive import DRIVEN, FIXED, FREE, drive_pose, drive_velocity
-from heavylift.solver.interface import Workspace, advance, check, correct, factor, finish, predict
+from heavylift.solver.interface import STIFFENED, Workspace, advance, check, correct, factor, finish, predict
 from heavylift.solver.kinds import implement
 
 __all__ = [
@@ -327,15 +327,19 @@ def correct_floating_frames(kind: FloatingFrameBodies, step: float, work: Worksp
 # ---- the end of the step ----
 
 
-NOT_FINITE = int(Outcome.NOT_FINITE)
+NOT_CONVERGED, NOT_FINITE = int(Outcome.NOT_CONVERGED), int(Outcome.NOT_FINITE)
 
 
 @implement(check, FloatingFrameBodies)
 @kernel(internal=True, reassociate=True)
 def check_floating_frames(kind: FloatingFrameBodies, step: float, work: Workspace) -> None:
-    """Frames; and modal rates that are not finite."""
+    """Frames; modal rates that are not finite; and steps too long for what loads do to the stiffness."""
     check_frames(kind, step, work)
     for body in range(kind.table.shape[0]):
+        if kind.table[body].stiffening >= 0 and step * step * kind.frame[body].stiffening_rate > 4.0:
+            work.status.outcome = NOT_CONVERGED
+            work.status.body = kind.table[body].number
+            work.status.block = STIFFENED
         dof = kind.table[body].dof
         total = 0.0
         for i in range(dof + 6, dof + 6 + kind.table[body].mode_count):

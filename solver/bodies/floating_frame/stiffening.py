@@ -13,7 +13,8 @@ Momenta and energy of the frame are those of the corrected inertia: nothing is b
 
 of accelerations of a frame that is held, minus gravity, act on the modes beside those of markers, so that
 their work is part of the work from outside. All are evaluated at the middle of a step, as forces of springs by which a
-mass leaps: a mode with stiffness k in the implicit rule and g beside it keeps areas, and is stable for h^2 g < 4.
+mass leaps: a mode with stiffness k in the implicit rule and g beside it keeps areas, and is stable for h^2 g < 4. A step that may be
+longer is halved, as one whose laws do not agree.
 """
 
 from __future__ import annotations
@@ -39,7 +40,7 @@ __all__ = [
 ]
 
 
-@kernel(internal=True)
+@kernel(reassociate=True, internal=True)
 def correct_inertia(kind: FloatingFrameBodies, body: int, q: NDArray[np.float64]) -> None:
     """What the trace does to the inertia that was just evaluated; ``E q`` stays for the quadratic forces."""
     start = kind.table[body].stiffening
@@ -84,6 +85,13 @@ def with_shortening(
     return add_scaled(moment, 2.0 * total, (w[0], w[1], 0.0))
 
 
+@kernel(inline=True, internal=True)
+def _norms(kind: FloatingFrameBodies, body: int) -> int:
+    """Place of the norms of the matrices of a body in the constants."""
+    n = kind.table[body].mode_count
+    return kind.table[body].stiffening + (7 + kind.table[body].load_count) * n * n
+
+
 @kernel(internal=True)
 def add_acceleration_forces(
     kind: FloatingFrameBodies, body: int, a: Vector, b: Vector, q: NDArray[np.float64]
@@ -94,11 +102,13 @@ def add_acceleration_forces(
         return
     n, first = kind.table[body].mode_count, kind.table[body].first_mode
     factors = (b[0], b[1], b[2], a[0], a[1], a[2])
+    norms = _norms(kind, body)
     modal_load = kind.modal_load[first : first + n]
     for k in range(6):
         s = factors[k]
         if s == 0.0:
             continue
+        kind.frame[body].stiffening_rate += abs(s) * kind.constants[norms + 1 + k]
         G = kind.constants[start + (1 + k) * n * n : start + (2 + k) * n * n]
         _add_softening(G, s, q, modal_load)
 
@@ -137,6 +147,7 @@ def add_load_forces(kind: FloatingFrameBodies, body: int, q: NDArray[np.float64]
         s = kind.row_loads[0, entry.first_load + load]
         s += _load_factor(kind, entry.load_start + load * (6 + n), factors)
         if s != 0.0:
+            frame.stiffening_rate += abs(s) * kind.constants[_norms(kind, body) + 7 + load]
             at = entry.stiffening + (7 + load) * n * n
             _add_softening(kind.constants[at : at + n * n], s, q, modal_load)
 
@@ -200,10 +211,15 @@ def add_step_forces(
     kind: FloatingFrameBodies, body: int, step: float, gravity: NDArray[np.float64], q: NDArray[np.float64]
 ) -> None:
     """Forces of loads at places, and of a step whose velocities at both ends are known, in the pose of the stage."""
-    add_load_forces(kind, body, q)
-    if kind.table[body].stiffening < 0 or kind.table[body].motion == FREE:
+    if kind.table[body].stiffening < 0:
         return
     frame = kind.frame[body]
+    w = frame.mid_spin
+    square = w[0] * w[0] + w[1] * w[1] + w[2] * w[2]
+    frame.stiffening_rate = square * kind.constants[_norms(kind, body)]
+    add_load_forces(kind, body, q)
+    if kind.table[body].motion == FREE:
+        return
     a, b = scaled(-1.0, vector(gravity)), (0.0, 0.0, 0.0)
     if kind.table[body].motion == DRIVEN:
         rates = frame.drive_rates
