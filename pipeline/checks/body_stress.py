@@ -53,8 +53,8 @@ ALL = "all"
 _SLIGHT = (
     1e-4  # of gravity: accelerations that strain a body no more than its weight does by a ten-thousandth
 )
-_EXCITED = 0.01  # of the elastic energy: of a mode that is excited
-_RECORDS = 5  # a period of the highest mode that is excited
+_EXCITED = 0.01  # of the elastic energy: kinetic energy of a mode that vibrates
+_RECORDS = 5  # a period of the highest mode that vibrates
 
 
 def body_stress(
@@ -127,7 +127,7 @@ def _computed(case: Case, name: str, folder: OutputFolder, results: Results, log
     if body.stress.correction:
         correction, loads, notes = _correction(case, name, folder, model, reduced, shapes, results)
         shapes, modal = np.hstack([shapes, correction]), np.hstack([modal, loads])
-    notes += _too_few_records(reduced, modal, results)
+    notes += _too_few_records(name, reduced, results)
     panels, more = _panels(case, name, body, model, shapes, modal)
     notes += more
     found: list[list[GroupHistory]] = []
@@ -526,15 +526,16 @@ def _correction(
     found = static_correction(flexibility, shapes, reduced.eigenvalues, forces)
     notes = []
     if found.loads.size:
-        worst = acting[int(found.missing.argmax())]
-        what = (
-            f"acceleration along {names[worst]}"
-            if len(names[worst]) == 1
-            else f"field {names[worst]} of rotation"
-        )
+        modal = results[f"{name}.modal_position"].reshape(len(results.time), -1)
+        elastic = float((0.5 * modal**2 @ reduced.eigenvalues).max())
+        added = found.energy * (loads[:, acting[found.loads]] ** 2).max(axis=0)
+        worst = int(added.argmax())
+        field = names[acting[found.loads[worst]]]
+        share = added[worst] / max(elastic + added[worst], np.finfo(np.float64).tiny)
+        what = f"acceleration along {field}" if len(field) == 1 else f"field {field} of rotation"
         notes.append(
-            f"Weight and inertia of the frame by their static answer besides the modes, which miss "
-            f"{100.0 * found.missing.max():.3g} % of its strain energy ({what})."
+            "Weight and inertia of the frame act by their static answer besides the modes, which miss up to "
+            f"{100.0 * share:.2g} % of the elastic energy by it ({what})."
         )
         if body.frame.motion == "driven":
             notes.append(
@@ -569,22 +570,27 @@ def _field_loads(
     )
 
 
-def _too_few_records(reduced: ReducedBody, modal: NDArray[np.float64], results: Results) -> list[str]:
-    """That records are too far apart for the highest mode that is excited."""
+def _too_few_records(name: str, reduced: ReducedBody, results: Results) -> list[str]:
+    """That records are too far apart for the highest mode that vibrates: it has kinetic energy."""
     if len(results.time) < 3:
         return []
-    own = modal[:, : reduced.mode_count]
-    energy = 0.5 * reduced.eigenvalues * np.var(own, axis=0)
-    if not energy.any():
+    position, speed = (
+        results[f"{name}.{kind}"].reshape(len(results.time), -1)
+        for kind in ("modal_position", "modal_velocity")
+    )
+    kinetic = 0.5 * np.mean(speed**2, axis=0)
+    elastic = 0.5 * float(np.mean(position**2, axis=0) @ reduced.eigenvalues)
+    excited = np.flatnonzero(kinetic > _EXCITED * elastic)
+    if not excited.size:
         return []
-    highest = int(np.flatnonzero(energy >= _EXCITED * energy.sum()).max())
+    highest = int(excited.max())
     period = 1.0 / float(reduced.frequencies[highest])
     interval = float(np.diff(results.time).max())
     if interval * _RECORDS <= period:
         return []
     words = (
         f"Records are {interval:.4g} s apart: {_RECORDS} a period of vector {highest + 1} "
-        f"({1.0 / period:.4g} Hz), the highest that moves with 1 % of the elastic energy, would be "
+        f"({1.0 / period:.4g} Hz), the highest that vibrates with 1 % of the elastic energy, would be "
         f"{period / _RECORDS:.3g} s; between them stresses may be larger."
     )
     return [words]

@@ -31,7 +31,6 @@ __all__ = ["stress_of_run"]
 
 _WORDS = {
     "": "whole stress",
-    "membrane": "membrane, nodes",
     "bending": "bending alone",
     CENTRE_SIDE: "membrane, centres of elements",
 }
