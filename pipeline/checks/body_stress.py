@@ -34,6 +34,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from heavylift.modal.flexibility import Flexibility
     from heavylift.modal.reduced import ReducedBody
     from heavylift.modal.stress_history import Envelope, GroupHistory
     from heavylift.modal.stress_points import StressPoints
@@ -53,6 +54,8 @@ ALL = "all"
 _SLIGHT = (
     1e-4  # of gravity: accelerations that strain a body no more than its weight does by a ten-thousandth
 )
+_MISSED = 0.02  # of the strain energy of a force: what modes may not have of it without a word
+_SAME = 1e-6  # of the size of a body: a point that is an interface
 _EXCITED = 0.01  # of the elastic energy: kinetic energy of a mode that vibrates
 _RECORDS = 5  # a period of the highest mode that vibrates
 
@@ -129,7 +132,7 @@ def _computed(case: Case, name: str, folder: OutputFolder, results: Results, log
         shapes, modal = np.hstack([shapes, correction]), np.hstack([modal, loads])
     notes += _too_few_records(name, reduced, results)
     panels, more = _panels(case, name, body, model, shapes, modal)
-    notes += more
+    notes += more + _places(case, name, model, reduced, shapes[:, : reduced.mode_count])
     found: list[list[GroupHistory]] = []
     envelopes: list[PartEnvelope] = []
     total, done = sum(map(len, parts)), 0
@@ -500,9 +503,8 @@ def _correction(
     """Shapes by unit load (N, k), loads at each record (records, k), and sentences on them."""
     import json
 
-    from heavylift.modal.flexibility import Flexibility, apply_mass
+    from heavylift.modal.flexibility import apply_mass
     from heavylift.modal.static_correction import inertia_fields, static_correction
-    from heavylift.pipeline.assemble.modes import held_directions
 
     body: Any = case.bodies[name]
     free = body.frame.motion == "free"
@@ -515,9 +517,7 @@ def _correction(
     acting = np.flatnonzero(np.abs(loads).max(axis=0, initial=0.0) * size > _SLIGHT * gravity)
     if not acting.size:
         return np.empty((len(shapes), 0)), np.empty((len(loads), 0)), []
-    clamped = [model.node_groups[group] for group in body.modes.clamp]
-    held = replace(model, fixed_dofs=held_directions(model, body.supports))
-    flexibility = Flexibility(held, np.unique(np.concatenate(clamped)) if clamped else ())
+    flexibility = _flexibility(body, model)
     fields = fields[:, :, acting].reshape(-1, len(acting))
     if model.points is None:
         forces = apply_mass(model.mass, fields)
@@ -542,6 +542,56 @@ def _correction(
                 "The acceleration of the driven frame is that of differences of its recorded velocity."
             )
     return found.shapes, loads[:, acting[found.loads]], notes
+
+
+def _flexibility(body: Any, model: FEModel) -> Flexibility:
+    """Of a body, held as for its modes."""
+    from heavylift.modal.flexibility import Flexibility
+    from heavylift.pipeline.assemble.modes import held_directions
+
+    clamped = [model.node_groups[group] for group in body.modes.clamp]
+    fixed = np.union1d(model.fixed_dofs, held_directions(model, body.supports)).astype(np.int64)
+    return Flexibility(
+        replace(model, fixed_dofs=fixed), np.unique(np.concatenate(clamped)) if clamped else ()
+    )
+
+
+def _places(
+    case: Case, name: str, model: FEModel, reduced: ReducedBody, shapes: NDArray[np.float64]
+) -> list[str]:
+    """Sentences on places where ropes and forces act, of which the modes have no static vectors."""
+    from heavylift.modal.bases import place_loads
+    from heavylift.modal.static_correction import static_correction
+    from heavylift.pipeline.assemble.scene import points_on
+
+    body: Any = case.bodies[name]
+    nothing = [None] * max(len(case.joints), len(case.contacts))
+    found = points_on(case, nothing[: len(case.joints)], nothing[: len(case.contacts)], name, np.zeros(3))
+    acting = [
+        (key, np.asarray(point, dtype=np.float64))
+        for key, point in found
+        if key.startswith(("ropes.", "forces.")) and not isinstance(point, str)
+    ]
+    known = [np.array(one.at) for one in body.interfaces.values() if one.at is not None]
+    open_ones = [
+        (key, point)
+        for key, point in acting
+        if not any(np.linalg.norm(point - at) <= _SAME * reduced.size for at in known)
+    ]
+    if not open_ones:
+        return []
+    flexibility = _flexibility(body, model)
+    notes = []
+    for key, point in open_ones:
+        loads = place_loads(model, [point.tolist()], key=key)
+        missing = static_correction(flexibility, shapes, reduced.eigenvalues, loads.forces).missing
+        worst = int(missing.argmax())
+        if missing[worst] > _MISSED:
+            notes.append(
+                f"{key}: the modes miss {100.0 * missing[worst]:.3g} % of the strain energy of a force there along "
+                f"{'xyz'[worst]}, and its stress around: give it an interface, or 'modes.static_points'."
+            )
+    return notes
 
 
 def _field_loads(
