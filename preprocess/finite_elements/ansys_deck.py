@@ -721,9 +721,8 @@ def _in_ranges(known: dict[int, int], ranges: list[tuple[int, int]]) -> NDArray[
     labels, rows = (np.array(list(each), dtype=np.int64) for each in (known.keys(), known.values()))
     order = np.argsort(labels)
     first, last = np.array(ranges, dtype=np.int64).reshape(-1, 2).T
-    starts, ends = (
-        np.searchsorted(labels[order], value, side=side) for value, side in ((first, "left"), (last, "right"))
-    )
+    starts = np.searchsorted(labels[order], first, side="left")
+    ends = np.searchsorted(labels[order], last, side="right")
     inside = [order[a:b] for a, b in zip(starts, ends, strict=True)]
     return np.unique(rows[np.concatenate([*inside, np.empty(0, dtype=np.int64)])])
 
