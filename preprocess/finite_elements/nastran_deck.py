@@ -5,17 +5,17 @@ What is understood:
 * *text*: small fields of 8 columns, large fields of 16 (``*``) and free fields with commas, mixed from line to line;
   continuation lines that follow their card, with or without names; comments ``$``; numbers like 1.5-3;
   ``INCLUDE 'file'`` of files below the case folder; what stands before ``BEGIN BULK`` (but
-  ``PARAM, WTMASS``) and after ``ENDDATA`` is passed over;
-* *mesh*: ``GRID`` in basic coordinates (``CP``, ``CD`` 0, also from ``GRDSET``), ``CHEXA`` of 8 and 20
-  and ``CTETRA`` of 10 nodes;
+  ``PARAM, WTMASS`` and ``NSM``) and after ``ENDDATA`` is passed over;
+* *mesh*: ``GRID`` in any coordinate system, with ``GRDSET``; ``CHEXA`` of 8 and 20 and ``CTETRA`` of 10 nodes;
+* plates, bars, masses and rigid elements: `nastran_frame`;
 * *sets*: the elements of a ``PSOLID`` are the set ``PSOLID n``; nodes of ``SPC`` and ``SPC1`` are the group
   ``SPC n``, those of ``SET1`` the group ``SET1 n``;
 * *materials*: ``MAT1``, with ``PARAM, WTMASS`` on its density.
 
 What is refused as text: replicated entries (``=``, ``=(n)``), superelements (``BEGIN SUPER``).
-Left out, and reported: constraints, contacts, masses (``NSM`` too), springs; shells and bars without a property,
-which meshers write for groups. What is refused when a body is taken, with type and number: shells, bars, rods, plane
-elements, solids of other numbers of nodes, anisotropic and hyperelastic materials.
+Left out, and reported: constraints, contacts, springs; beside solids, shells and bars without a property, which meshers
+write for groups. What is refused when a body of solids is taken, with type and number: shells, bars, rods, plane elements,
+solids of other numbers of nodes, anisotropic and hyperelastic materials.
 
 Source: MSC Nastran Quick Reference Guide, *Bulk Data Entries*.
 """
