@@ -17,10 +17,10 @@ What is understood:
 
 Plates, beams, masses and rigid elements are read by `abaqus_frame`.
 
-Left out, and reported: constraints, contacts and loads; springs, dashpots and gaps; beside solids, shells, beams and plane
-elements without a section, which meshers write for groups; sections of no set.
-What is refused when a body of solids is taken, with type and number: shells, beams, trusses, membranes, plane and axisymmetric
-elements, solids with 4, 5, 6, 15 or 27 nodes, orthotropic and hyperelastic materials.
+Left out, and reported: constraints, contacts and loads; springs, dashpots and gaps; beside solids, shells, beams and
+plane elements without a section, which meshers write for groups; sections of no set. What is refused when a body of
+solids is taken, with type and number: shells, beams, trusses, membranes, plane and axisymmetric elements, solids with
+4, 5, 6, 15 or 27 nodes, orthotropic and hyperelastic materials.
 
 Sources: Abaqus Analysis User's Guide, *Input syntax rules*; G. Dhondt, *CalculiX CrunchiX User's Manual*, version 2.21.
 """

@@ -14,8 +14,8 @@ What is understood:
 
 What is refused as text: replicated entries (``=``, ``=(n)``), superelements (``BEGIN SUPER``).
 Left out, and reported: constraints, contacts, springs; beside solids, shells and bars without a property, which meshers
-write for groups. What is refused when a body of solids is taken, with type and number: shells, bars, rods, plane elements,
-solids of other numbers of nodes, anisotropic and hyperelastic materials.
+write for groups. What is refused when a body of solids is taken, with type and number: shells, bars, rods, plane
+elements, solids of other numbers of nodes, anisotropic and hyperelastic materials.
 
 Source: MSC Nastran Quick Reference Guide, *Bulk Data Entries*.
 """
