@@ -164,6 +164,7 @@ def _nodal_forces(model: FEModel, load: StaticLoadSection, key: str) -> NDArray[
     """Nodal forces of a load [N, N m], node-major, shape (N,)."""
     from heavylift.modal.contact_vectors import outer_faces
     from heavylift.modal.flexibility import apply_mass
+    from heavylift.modal.interfaces import group_weights
     from heavylift.modal.statics import face_area, face_forces
 
     if load.acceleration is not None:
@@ -171,13 +172,29 @@ def _nodal_forces(model: FEModel, load: StaticLoadSection, key: str) -> NDArray[
         field[: 3 * model.node_count] = np.tile(load.acceleration, model.node_count)
         return apply_mass(model.mass, field)
     nodes = _place_nodes(model, load, key)
+    if load.moment is not None:
+        turning = nodes[model.rotation_dofs[nodes] >= 0]
+        if not len(turning):
+            raise InputError(
+                f"a moment on {len(nodes)} node(s) without rotations",
+                key=key,
+                expected="nodes of plates or beams; forces of a couple on solids",
+            )
+        moments = np.zeros(model.dof_count)
+        shares = group_weights(model, turning)[:, np.newaxis] * np.asarray(load.moment)
+        moments[model.rotation_dofs[turning][:, np.newaxis] + np.arange(3)] = shares
+        return moments
     try:
         faces = outer_faces(model, nodes, name=key)
     except InputError:
         if load.force is None:
             raise
         forces = np.zeros(model.dof_count)
-        forces[: 3 * model.node_count].reshape(-1, 3)[nodes] = np.asarray(load.force) / len(nodes)
+        at_nodes = forces[: 3 * model.node_count].reshape(-1, 3)
+        if model.structure is None:
+            at_nodes[nodes] = np.asarray(load.force) / len(nodes)
+        else:
+            at_nodes[nodes] = group_weights(model, nodes)[:, np.newaxis] * np.asarray(load.force)
         return forces
     if load.pressure is not None:
         return face_forces(model, faces, pressure=load.pressure)
