@@ -42,6 +42,7 @@ __all__ = [
     "element_motion",
     "rotating_nodes",
     "shell_chunks",
+    "shell_groups",
     "shell_operators",
 ]
 
@@ -92,8 +93,7 @@ def assemble_structure(structure: Structure, *, mass: str = "lumped") -> FEModel
     rotation_dofs[rotating] = 3 * (n + np.arange(len(rotating)))
     size = 3 * (n + len(rotating))
     parts = _Parts(structure, rotation_dofs, size)
-    for width in (4, 3):
-        parts.add_shells(width, consistent=mass == "consistent")
+    parts.add_shells(consistent=mass == "consistent")
     parts.add_beams(consistent=mass == "consistent")
     parts.add_solids(consistent=mass == "consistent")
     if structure.masses:
@@ -151,6 +151,15 @@ def rotating_nodes(structure: Structure) -> NDArray[np.int64]:
             if np.any(tie.components[3:]) and turning[pair].any():
                 turning[pair[bare[pair]]] = True
     return np.flatnonzero(turning)
+
+
+def shell_groups(structure: Structure) -> list[list[Shells]]:
+    """Properties whose matrices have one pattern: quadrilaterals or triangles, that bend or do not."""
+    groups: dict[tuple[int, bool], list[Shells]] = {}
+    for part in structure.shells:
+        if len(part.elements):
+            groups.setdefault((part.elements.shape[1], part.bends), []).append(part)
+    return list(groups.values())
 
 
 def shell_operators(
@@ -254,26 +263,17 @@ class _Parts:
         self._positions: list[NDArray[np.float64]] = []
         self._masses: list[NDArray[np.float64]] = []
 
-    def add_shells(self, width: int, *, consistent: bool) -> None:
-        """Add all quadrilaterals, or all triangles."""
-        chosen = [part for part in self.structure.shells if part.elements.shape[1] == width]
-        bending = [part for part in chosen if part.bends]
-        if bending:
-            pattern = NodePattern(
-                _blocks(self.rotation_dofs, np.concatenate([part.elements for part in bending])),
-                self.size // 3,
-            )
-            matrix = BlockMatrix(pattern)
+    def add_shells(self, *, consistent: bool) -> None:
+        """Add all plates."""
+        for group in shell_groups(self.structure):
+            elements = np.concatenate([part.elements for part in group])
+            blocks = _blocks(self.rotation_dofs, elements) if group[0].bends else elements
+            matrix = BlockMatrix(NodePattern(blocks, self.size // 3))
             first = 0
-            for shells in bending:
+            for shells in group:
                 self._add_property(matrix, first, shells, consistent=consistent)
                 first += len(shells.elements)
             self._matrices.append(matrix.tocsr())
-        for shells in chosen:
-            if not shells.bends:  # no rotations: blocks of displacements only
-                matrix = BlockMatrix(NodePattern(shells.elements, self.size // 3))
-                self._add_property(matrix, 0, shells, consistent=consistent)
-                self._matrices.append(matrix.tocsr())
 
     def _add_property(self, matrix: BlockMatrix, first: int, shells: Shells, *, consistent: bool) -> None:
         for part, elements, operators, thickness, offset in shell_chunks(self.structure, shells):
