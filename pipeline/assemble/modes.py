@@ -12,6 +12,7 @@ from heavylift.modal.stiffening import HERE
 from heavylift.numerics.outcome import InputError
 from heavylift.pipeline.assemble.finite_elements import four_files, in_body
 from heavylift.pipeline.assemble.interfaces import arm_notes, held_places, interface_fits
+from heavylift.pipeline.case.places import located
 from heavylift.preprocess.finite_elements.groups import RELATIVE_TOLERANCE
 
 if TYPE_CHECKING:
@@ -499,6 +500,12 @@ def contour_loads(
         if contour.body != body:
             continue
         nodes = contour_nodes(case, name, model.nodes, folder)
+        if nodes.ndim == 1 and isinstance(contour, SurfaceContourSection):
+            with located(case, f"contours.{name}"):
+                loads.append(
+                    _loads_of_fit(model, nodes, contour.degree, directions or NORMAL, fixed_nodes, name)
+                )
+            continue
         chosen = directions or (NORMAL if nodes.ndim == 2 else "xyz")
         normals = None
         if chosen == NORMAL and isinstance(contour, SurfaceContourSection):
@@ -517,6 +524,37 @@ def contour_loads(
             expected="a contour of this body, or 'patches' of its surface",
         )
     return loads
+
+
+def _loads_of_fit(
+    model: FEModel,
+    nodes: NDArray[np.int64],
+    degrees: tuple[int, int],
+    directions: str,
+    fixed_nodes: NDArray[np.int64],
+    name: str,
+) -> Loads:
+    """Unit forces on each control point of a surface that is fitted to nodes of a face, on the free ones of these."""
+    from heavylift.contours.splines.face_fit import fitted_surface
+    from heavylift.modal.bases import Loads
+    from heavylift.modal.contact_vectors import NORMAL
+
+    fit = fitted_surface(model.nodes, nodes, np.zeros((0, *model.nodes.shape)), degrees=degrees, source=name)
+    axes = (
+        fit.normal[np.newaxis]
+        if directions == NORMAL
+        else np.eye(3)[["xyz".index(axis) for axis in directions]]
+    )
+    free = ~np.isin(nodes, np.union1d(fixed_nodes, model.fixed_nodes))
+    forces = np.zeros((model.dof_count, len(axes), len(fit.shares)))
+    for k in range(3):
+        forces[3 * nodes[free] + k] = axes[:, k][:, np.newaxis] * fit.shares[:, free].T[:, np.newaxis, :]
+    labels = [NORMAL] if directions == NORMAL else list(directions)
+    count = len(fit.shares)
+    return Loads(
+        forces.reshape(model.dof_count, -1),
+        tuple(f"{name} control point {c + 1} {label}" for label in labels for c in range(count)),
+    )
 
 
 def reduced_properties(reduction: Reduction) -> dict[str, Any]:

@@ -295,6 +295,8 @@ class FlexibleBodySection(BodySection):
         if self.stress is None:
             return f"a table 'stress' of body {name!r}"
         spot = what == "hot_spot"
+        if what == "buckling" and not self.stress.panels:
+            return f"'panels = true' in the table 'stress' of {name!r}"
         known = [one.name for one in (self.stress.hot_spots if spot else self.stress.groups)]
         if not known and not spot:
             # properties of a structure are known with its mesh only
@@ -317,6 +319,8 @@ class FlexibleBodySection(BodySection):
             )
         if given not in {"blocks", "step"}:
             return
+        if self.stress.panels:
+            reject("true with solids", "a body with plates", key="stress.panels")
         if self.stress.thickness is not None:
             return
         words = "is missing: the strength of {} depends on it, and solids have none"

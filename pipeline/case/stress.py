@@ -93,6 +93,9 @@ class StressSection(_StrengthSection):
     """Whether weight and inertia of the frame, which no mode may follow, act by their static answer too."""
     hot_spots: tuple[HotSpotSection, ...] = ()
     """Weld toes, as at lugs."""
+    panels: bool = False
+    """Whether plates between stiffeners and other plates are told with their utilisation by buckling, by mean
+    stresses."""
 
     @field_validator("groups", "hot_spots")
     @classmethod

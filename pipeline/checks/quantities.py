@@ -420,6 +420,10 @@ class Quantities:
         try:
             if what == "hot_spot":
                 return stress.hot_spots[name.item]
+            if what == "buckling" and stress.panels is not None:
+                return np.asarray(
+                    stress.panels.use[:, stress.panels.of(name.item)].max(axis=1), dtype=np.float64
+                )
             return stress.group(name.item).history("".join(side), used=what == "utilisation")
         except InputError as error:
             raise InputError(
