@@ -35,8 +35,8 @@ CONVENTIONS = {
     "interfaces": "point, displacement and rotation of the place; interface_forces and interface_moments spread six "
     "unit loads (force x, y, z, moment x, y, z) over the nodes of the group, entry by entry",
     "stiffening": "geometric stiffness, added to the modal stiffness: stiffening_linear times acceleration of the "
-    "frame minus gravity; stiffening_angular times angular acceleration; stiffening_loads times forces and moments; of an "
-    "angular velocity w, with E = stiffening_second_moments: w^2 (E_11 + E_22 + E_33) - sum w_k w_l E_kl",
+    "frame minus gravity; stiffening_angular times angular acceleration; stiffening_loads times forces and moments; of "
+    "an angular velocity w, with E = stiffening_second_moments: w^2 (E_11 + E_22 + E_33) - sum w_k w_l E_kl",
     "elements": "zero-based nodes in the order of VTK, by kind",
 }
 """Attributes of the file."""
