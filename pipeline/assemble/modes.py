@@ -531,7 +531,7 @@ def _loads_of_fit(
     nodes: NDArray[np.int64],
     degrees: tuple[int, int],
     directions: str,
-    fixed_nodes: NDArray[np.int64],
+    fixed_nodes: Sequence[int] | NDArray[Any],
     name: str,
 ) -> Loads:
     """Unit forces on each control point of a surface that is fitted to nodes of a face, on the free ones of these."""
