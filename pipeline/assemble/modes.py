@@ -131,7 +131,7 @@ def _static_states(flexibility: Flexibility, body: FlexibleBodySection) -> list[
     """Equilibrium under each static load case of a body, with the buckling factors that are asked for."""
     from heavylift.modal.buckling import buckling
     from heavylift.modal.statics import solve_static
-    from heavylift.modal.stiffening import stress_stiffness
+    from heavylift.modal.stress_stiffness import stress_stiffness
 
     model, cases = flexibility.model, body.static
     asked = [index for index, one in enumerate(cases) if one.buckling]
@@ -359,7 +359,7 @@ def _stiffened(
     from heavylift.modal.bases import Loads, place_loads
     from heavylift.modal.flexibility import Flexibility
     from heavylift.modal.interfaces import attachment_loads
-    from heavylift.modal.stiffening import inertia_stiffening, stress_stiffness, with_loads
+    from heavylift.modal.stress_stiffness import inertia_stiffening, stress_stiffness, with_loads
 
     free = body.frame.motion == "free"
     if free and (model.fixed_nodes.size or model.fixed_dofs.size):
@@ -548,7 +548,7 @@ def _loads_of_fit(
     nodes: NDArray[np.int64],
     degrees: tuple[int, int],
     directions: str,
-    fixed_nodes: NDArray[np.int64],
+    fixed_nodes: Sequence[int] | NDArray[Any],
     name: str,
 ) -> Loads:
     """Unit forces on each control point of a surface that is fitted to nodes of a face, on the free ones of these."""
