@@ -381,7 +381,7 @@ class ReducedBody:
         return np.einsum("akl,mal->mk", turning, self.mode_shapes[:, around])
 
     def lies_on_a_line(self, place: ArrayLike) -> bool:
-        """Whether the nodes that make the rotation of a place [m] do; not of bodies with elements, nor at interfaces."""
+        """Whether the nodes that make the rotation of a place [m] do; not of elements, nor at interfaces."""
         if not self.continuum or self.elements is not None or self.interface_at(place) is not None:
             return False
         nodes, weights = self.locate(place)
