@@ -520,7 +520,9 @@ def contour_loads(
         if nodes.ndim == 1 and isinstance(contour, SurfaceContourSection):
             with located(case, f"contours.{name}"):
                 loads.append(
-                    _loads_of_fit(model, nodes, contour.degree, directions or NORMAL, fixed_nodes, name)
+                    _loads_of_fit(
+                        model, nodes, contour.degree, directions or NORMAL, np.asarray(fixed_nodes), name
+                    )
                 )
             continue
         chosen = directions or (NORMAL if nodes.ndim == 2 else "xyz")
