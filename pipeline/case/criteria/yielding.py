@@ -11,8 +11,9 @@ from heavylift.pipeline.case.criteria.base import CriterionSection
 from heavylift.pipeline.case.criteria.lift_rules import OF_THE_CASE, Clause
 from heavylift.pipeline.case.criteria.results import ON_LIMIT, CriterionResult, Factor, Series
 from heavylift.pipeline.case.criteria.run import Run
-from heavylift.pipeline.case.fields import BodyName, Name, Quantity, refuse_unknown, reject
+from heavylift.pipeline.case.fields import BodyName, Quantity, refuse_unknown, reject
 from heavylift.pipeline.case.steel import STEEL_SOURCE
+from heavylift.pipeline.case.stress import PropertyName
 
 
 class YieldCriterion(CriterionSection):
@@ -23,7 +24,7 @@ class YieldCriterion(CriterionSection):
     type: Literal["yield"]
     body: BodyName
     """Flexible body with a table ``stress``."""
-    groups: tuple[Name, ...] = ()
+    groups: tuple[PropertyName, ...] = ()
     """Groups of that table, or properties of a structure; all that have a yield strength if empty."""
     stress: Literal["whole", "centre"] = "whole"
     """``whole``: both sides of plates, solids and corners of beams; ``centre``: the membrane of plates at the centres
