@@ -239,6 +239,7 @@ def test_criteria_checks_pictures_and_page_have_one_number(resting, rested):
         rested.number("stress.deck.plate.centre.utilisation.max"),
     ]
     assert lines[0].where.startswith("root at (0, ")
+    assert lines[0].clauses[0].source.startswith("EN 10025-2")
     folder, results = OutputFolder(resting.output_folder), load_results(resting)
     shown = {}
 
