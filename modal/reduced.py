@@ -336,6 +336,8 @@ class ReducedBody:
             If there is no such interface, or the point is not of the body.
         """
         found = self._found(place, source, key, origin)
+        if not self.continuum or not self.mode_count:
+            return PlaceMotion(*self._displaced(found), None)
         rotation = found.rotation if isinstance(found, Interface) else self.turn_at(*found)
         return PlaceMotion(*self._displaced(found), rotation if self.turns(rotation) else None)
 
@@ -401,7 +403,7 @@ class ReducedBody:
     def _stands(self, nodes: NDArray[np.int64]) -> NDArray[np.bool_]:
         """Whether no mode moves some nodes, shape (m,)."""
         found: NDArray[np.bool_] = (
-            np.abs(self.mode_shapes[:, nodes]).max(axis=(0, 2)) <= _STILL * self._largest
+            np.abs(self.mode_shapes[:, nodes]).max(axis=(0, 2), initial=0.0) <= _STILL * self._largest
         )
         return found
 

@@ -11,6 +11,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
+from scipy.spatial import ConvexHull
 
 from heavylift.contours.splines.face_grid import face_normal
 from heavylift.contours.splines.interpolation import basis_matrix
@@ -23,10 +24,10 @@ if TYPE_CHECKING:
 
 __all__ = ["FaceFit", "fitted_surface"]
 
-NODES_OF_CONTROL = 2.0
-"""Nodes for each control point, at least."""
+NODES_OF_CONTROL = 6.0
+"""Nodes for each control point, at least: the sides of quadratic tetrahedra have a node in their middle."""
 
-SMOOTHING = 1e-6
+SMOOTHING = 1e-9
 """Weight of differences of third order of control points beside the mean distance of nodes: it decides where nodes say
 nothing, and moves nothing elsewhere."""
 
@@ -35,6 +36,9 @@ STEEPEST = 0.7
 
 FARTHEST = 1e-2
 """Of the extent of the face: a node that lies farther from the fit is a feature that it has no room for."""
+
+NODES_OF_CELL = 12.0
+"""Nodes that a part of the rectangle around a face would have if they were spread evenly: one without any is a hole."""
 
 MOST_CONTROLS = 40
 """Along one direction."""
@@ -49,10 +53,17 @@ class FaceFit(NamedTuple):
         The spline.
     distance
         Largest distance of a node from it [m].
+    shares
+        Of each node in the place of each control point, shape (controls, members): a force on the contour is one on the
+        nodes in these shares.
+    normal
+        Of the mean plane, out of the material, shape (3,).
     """
 
     contour: NeutralContour
     distance: float
+    shares: NDArray[np.float64]
+    normal: NDArray[np.float64]
 
 
 def fitted_surface(
@@ -100,15 +111,14 @@ def fitted_surface(
         )
     spaces = _spaces(len(points), extent, degrees, source)
     u = np.clip((place - low) / extent, 0.0, 1.0)
-    _check_cover(spaces, u, extent, source)
-    B = np.einsum(
-        "ka,kb->kab", basis_matrix(spaces[0], u[:, 0]), basis_matrix(spaces[1], u[:, 1])
-    ).reshape(len(points), -1)
+    _check_cover(u, extent, source)
+    B = np.einsum("ka,kb->kab", basis_matrix(spaces[0], u[:, 0]), basis_matrix(spaces[1], u[:, 1])).reshape(
+        len(points), -1
+    )
+    shares = _least_squares(B, _roughness(spaces))
     values = np.concatenate([points[np.newaxis], mode_shapes[:, members]])
-    right = np.moveaxis(values, 1, 0).reshape(len(points), -1)
-    control = _least_squares(B, _roughness(spaces), right)
-    fitted = np.moveaxis((B @ control[:, :3]).reshape(-1, 1, 3), 1, 0)[0]
-    distance = float(np.linalg.norm(fitted - points, axis=1).max())
+    control = np.einsum("ca,mak->mck", shares, values)
+    distance = float(np.linalg.norm(B @ control[0] - points, axis=1).max())
     if distance > FARTHEST * extent.max():
         raise InputError(
             f"a spline of {spaces[0].count} by {spaces[1].count} control points passes the nodes of the face by up to "
@@ -116,15 +126,12 @@ def fitted_surface(
             source=source,
             expected="a smooth face without edges, a finer mesh, or a part of the face by 'from' and 'to'",
         )
-    shaped = np.moveaxis(control.reshape(len(control), -1, 3), 1, 0)
-    contour = NeutralContour(spaces, np.ascontiguousarray(shaped[0]), np.ascontiguousarray(shaped[1:]), np.empty(0))
-    return FaceFit(contour, distance)
+    contour = NeutralContour(spaces, control[0], control[1:], np.empty(0))
+    return FaceFit(contour, distance, shares, normal)
 
 
 def _along(flat: NDArray[np.float64], normal: NDArray[np.float64]) -> NDArray[np.float64]:
     """Direction of the longer side of the rectangle of least area around a face: it lies along its convex hull."""
-    from scipy.spatial import ConvexHull
-
     a = np.eye(3)[np.argmin(np.abs(normal))]
     a = a - (a @ normal) * normal
     a /= np.linalg.norm(a)
@@ -161,23 +168,19 @@ def _spaces(
     return made[0], made[1]
 
 
-def _check_cover(
-    spaces: tuple[SplineSpace, SplineSpace],
-    u: NDArray[np.float64],
-    extent: NDArray[np.float64],
-    source: str,
-) -> None:
+def _check_cover(u: NDArray[np.float64], extent: NDArray[np.float64], source: str) -> None:
     """Every part of the rectangle has nodes: a spline has no holes and four sides."""
-    cells = [int(np.clip(space.count - space.degree, 1, 4)) for space in spaces]
+    side = np.sqrt(NODES_OF_CELL * extent[0] * extent[1] / len(u))
+    cells = [max(1, int(extent[k] / side)) for k in range(2)]
     at = [np.minimum((u[:, k] * cells[k]).astype(int), cells[k] - 1) for k in range(2)]
     taken = np.unique(at[0] * cells[1] + at[1]).size
     if taken < cells[0] * cells[1]:
         share = 1.0 - taken / (cells[0] * cells[1])
         raise InputError(
-            f"about {share:.0%} of the rectangle of {extent[0]:.4g} m by {extent[1]:.4g} m around the face have no nodes",
+            f"some {share:.0%} of the rectangle of {extent[0]:.4g} m by {extent[1]:.4g} m around the face have no node",
             source=source,
-            expected="a face with four sides and no large holes, a part of it by 'from' and 'to', or [[surfaces]] of the "
-            "body and [[collisions]], which take any face",
+            expected="a face with four sides and no large holes, a part of it by 'from' and 'to', or [[surfaces]] of "
+            "the body and [[collisions]], which take any face",
         )
 
 
@@ -191,11 +194,8 @@ def _roughness(spaces: tuple[SplineSpace, SplineSpace]) -> NDArray[np.float64]:
     return np.concatenate(rows)
 
 
-def _least_squares(
-    B: NDArray[np.float64], rough: NDArray[np.float64], right: NDArray[np.float64]
-) -> NDArray[np.float64]:
-    """Control points, shape (controls, columns of `right`)."""
+def _least_squares(B: NDArray[np.float64], rough: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Operator from values at nodes to control points, shape (controls, nodes)."""
     system = np.concatenate([B, np.sqrt(SMOOTHING) * rough])
-    padded = np.concatenate([right, np.zeros((len(rough), right.shape[1]))])
-    found: NDArray[np.float64] = np.linalg.lstsq(system, padded, rcond=None)[0]
+    found: NDArray[np.float64] = np.linalg.pinv(system)[:, : len(B)]
     return found

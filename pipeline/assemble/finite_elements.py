@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from heavylift.preprocess.finite_elements.deck import Deck
     from heavylift.preprocess.finite_elements.exchange import FourFileData
     from heavylift.preprocess.finite_elements.groups import NodeSelector
+    from heavylift.preprocess.finite_elements.material import Material
     from heavylift.preprocess.finite_elements.mesh import Mesh
     from heavylift.preprocess.finite_elements.model import FEModel
     from heavylift.preprocess.structures.structure import Structure
@@ -128,31 +129,20 @@ def _structure_of_deck(
     """Plates, beams, solids, masses and rigid elements of a mesh file, with what the case gives by group."""
     from dataclasses import replace
 
+    from heavylift.pipeline.assemble.panels import part_material
     from heavylift.preprocess.finite_elements.deck_structure import (
         BeamProperty,
         PlateProperty,
         structure_of,
     )
     from heavylift.preprocess.finite_elements.groups import select_nodes
-    from heavylift.preprocess.finite_elements.model import Material
     from heavylift.preprocess.structures.assemble import assemble_structure
     from heavylift.preprocess.structures.sections import profile
 
     of_body = body.material.given() if body.material else {}
 
     def material(own: MaterialSection | None, key: str) -> Material | None:
-        if own is None:
-            return None
-        given = {**of_body, **own.given()}
-        missing = [word for word in ("young_modulus", "poisson_ratio", "density") if word not in given]
-        if missing:
-            raise InputError(
-                f"no {missing[0]!r}",
-                source=name,
-                key=f"{key}.material",
-                expected="young_modulus, poisson_ratio and density",
-            )
-        return Material(**given)
+        return None if own is None else part_material(body, own, name, f"{key}.material")
 
     plates = {
         key: PlateProperty(
@@ -164,8 +154,7 @@ def _structure_of_deck(
     for key, beam in body.stiffeners.items():
         section, offset = None, None
         if beam.section is not None:
-            measures = {k: v for k, v in beam.section.model_dump().items() if v is not None and k != "shape"}
-            section, centroid = profile(beam.section.shape, **measures)
+            section, centroid = profile(beam.section.shape, **beam.section.measures())
             offset = (0.0, 0.0)
             if beam.foot is not None:
                 # the plate keeps it from turning aside

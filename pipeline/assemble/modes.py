@@ -12,6 +12,7 @@ from heavylift.modal.stiffening import HERE
 from heavylift.numerics.outcome import InputError
 from heavylift.pipeline.assemble.finite_elements import four_files, in_body
 from heavylift.pipeline.assemble.interfaces import arm_notes, held_places, interface_fits
+from heavylift.pipeline.case.places import located
 from heavylift.preprocess.finite_elements.groups import RELATIVE_TOLERANCE
 
 if TYPE_CHECKING:
@@ -283,7 +284,11 @@ def _reduce(
         assert flexibility is not None
         states = _static_states(flexibility, body)
     start = (float(origin[0]), float(origin[1]), float(origin[2]))
-    notes = [*arm_notes(elastic, fits), *([_held_note(joined)] if joined else [])]
+    notes = [
+        *_ended_by_count(options, basis.labels),
+        *arm_notes(elastic, fits),
+        *([_held_note(joined, model)] if joined else []),
+    ]
     return Reduction(reduced, start, states, notes)
 
 
@@ -299,9 +304,29 @@ def _attachment_modes(flexibility: Flexibility, loads: Loads) -> tuple[Basis, ND
     return bases.Basis(vectors.vectors[:, chosen], labels), compliance
 
 
-def _held_note(joined: Mapping[str, Fit]) -> str:
+def _ended_by_count(options: ModesSection, labels: Sequence[str]) -> list[str]:
+    """Sentence if the number of eigenmodes ended before their frequency did."""
+    if options.up_to is None or not options.count:
+        return []
+    word = "fixed-interface mode" if options.basis == "craig_bampton" else "eigenmode"
+    found = sum(label.startswith(word) for label in labels)
+    if found < options.count:
+        return []
+    return [
+        f"WARNING: count = {options.count} ends before up_to = {options.up_to:.6g} Hz: there may be more modes"
+    ]
+
+
+def _held_note(joined: Mapping[str, Fit], model: FEModel) -> str:
+    """Sentence on places that joints hold; a point of a plate gets softer with each finer mesh."""
     names = ", ".join(repr(one) for one in joined)
-    return f"attachment modes for forces and moments of joints that hold its directions: {names}"
+    words = f"attachment modes for forces and moments of joints that hold its directions: {names}"
+    if model.structure is None or not model.structure.shells:
+        return words
+    return (
+        f"{words}; a plate that is held at a point gets softer with each finer mesh: an interface over a bracket or a "
+        "line of plating does not"
+    )
 
 
 def _stiffened(
@@ -475,6 +500,12 @@ def contour_loads(
         if contour.body != body:
             continue
         nodes = contour_nodes(case, name, model.nodes, folder)
+        if nodes.ndim == 1 and isinstance(contour, SurfaceContourSection):
+            with located(case, f"contours.{name}"):
+                loads.append(
+                    _loads_of_fit(model, nodes, contour.degree, directions or NORMAL, fixed_nodes, name)
+                )
+            continue
         chosen = directions or (NORMAL if nodes.ndim == 2 else "xyz")
         normals = None
         if chosen == NORMAL and isinstance(contour, SurfaceContourSection):
@@ -495,13 +526,44 @@ def contour_loads(
     return loads
 
 
+def _loads_of_fit(
+    model: FEModel,
+    nodes: NDArray[np.int64],
+    degrees: tuple[int, int],
+    directions: str,
+    fixed_nodes: NDArray[np.int64],
+    name: str,
+) -> Loads:
+    """Unit forces on each control point of a surface that is fitted to nodes of a face, on the free ones of these."""
+    from heavylift.contours.splines.face_fit import fitted_surface
+    from heavylift.modal.bases import Loads
+    from heavylift.modal.contact_vectors import NORMAL
+
+    fit = fitted_surface(model.nodes, nodes, np.zeros((0, *model.nodes.shape)), degrees=degrees, source=name)
+    axes = (
+        fit.normal[np.newaxis]
+        if directions == NORMAL
+        else np.eye(3)[["xyz".index(axis) for axis in directions]]
+    )
+    free = ~np.isin(nodes, np.union1d(fixed_nodes, model.fixed_nodes))
+    forces = np.zeros((model.dof_count, len(axes), len(fit.shares)))
+    for k in range(3):
+        forces[3 * nodes[free] + k] = axes[:, k][:, np.newaxis] * fit.shares[:, free].T[:, np.newaxis, :]
+    labels = [NORMAL] if directions == NORMAL else list(directions)
+    count = len(fit.shares)
+    return Loads(
+        forces.reshape(model.dof_count, -1),
+        tuple(f"{name} control point {c + 1} {label}" for label in labels for c in range(count)),
+    )
+
+
 def reduced_properties(reduction: Reduction) -> dict[str, Any]:
     """Numbers of a reduced body and its static load cases for its manifest."""
     reduced, states = reduction.body, reduction.states
     return {
         "notes": [*reduction.notes, *_large_deflections(reduced, states)],
         "interfaces": {
-            name: f"{100.0 * one.captured:.4g} % of its static compliance captured"
+            name: f"{round(100.0 * one.captured, 3):.4g} % of its static compliance captured"
             for name, one in reduced.interfaces.items()
         }
         or None,

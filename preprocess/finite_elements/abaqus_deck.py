@@ -351,6 +351,23 @@ _CONSTRAINTS = {
     "SUBMODEL",
     "TIE",
 }
+# what a structure is read without, and is told
+_UNREAD = {
+    "ORIENTATION",
+    "TRANSFORM",
+    "NORMAL",
+    "HOURGLASSSTIFFNESS",
+    "SECTIONCONTROLS",
+    "BEAMADDEDINERTIA",
+    "INITIALCONDITIONS",
+    "AMPLITUDE",
+    "SPRING",
+    "DASHPOT",
+    "CONNECTORSECTION",
+    "FASTENER",
+    "RELEASE",
+    "DISTRIBUTION",
+}
 # generators and other ways to say a mesh, which are not read
 _GENERATORS = {
     "NGEN": "nodes",
@@ -417,6 +434,7 @@ class _Reader:
         self.held: list[tuple[str, int, int]] = []
         self.sectors = ""
         self.extra: Counter[str] = Counter()
+        self.unread: Counter[str] = Counter()
         self.unknown_sets: dict[str, None] = {}
         self.system: tuple[NDArray[np.float64], NDArray[np.float64]] | None = None
         self.in_steps = False
@@ -464,6 +482,8 @@ class _Reader:
             )
         if key in FRAME_KEYWORDS:
             self.scope.frame_cards.append(card)
+        elif key in _UNREAD:
+            self.unread[card.shown] += 1
         if key in self.verbs:
             self.verbs[key](card)
         elif key in {"MATRIXINPUT", "MATRIXASSEMBLE"}:

@@ -213,7 +213,11 @@ class FrameMaker:
         solids = Counter({block.name: len(block.labels) for block in self.all.blocks if block.kind})
         cards = Counter(f"*{card.shown}" for one in self.all.placed for card in one.part.frame_cards)
         read = {**elements, **solids, **cards}
-        return [f"read: {', '.join(f'{n} {name}' for name, n in sorted(read.items()))}"]
+        words = [f"read: {', '.join(f'{n} {name}' for name, n in sorted(read.items()))}"]
+        left = self.all.reader.unread
+        if left:
+            words.append(f"left out: {', '.join(f'{n} *{key}' for key, n in sorted(left.items()))}")
+        return words
 
     # -- plates --
 
@@ -685,6 +689,11 @@ class FrameMaker:
             if not numbers or len(numbers) != len([word for word in words if word]):
                 card.fail(f"{', '.join(words)!r}", "degrees of freedom 1 to 6: first, last", (file, line))
             found[numbers[0] - 1 : numbers[-1]] = True
+        whole = all(part.all() or not part.any() for part in (found[:3], found[3:]))
+        if not whole and self.all.reader.unread["TRANSFORM"]:
+            card.fail(
+                "single directions beside *TRANSFORM", "all displacements or all rotations, or global axes"
+            )
         return found
 
     def _kinematic(self, scope: Scope, place: int, card: Card, links: list[RigidLink]) -> None:

@@ -176,7 +176,8 @@ class _Reader:
             if verb is not None:
                 if key != "CE":
                     self.counts[key] += 1
-                verb(words)
+                least = {"R": 2, "RMORE": 1, "SECDATA": 2, "SECOFFSET": 2}.get(key, 5)
+                verb(words + [""] * (least - len(words)))
             elif re.fullmatch(r"[A-Z][A-Z0-9]*", key) and key not in {
                 "NUMOFF",
                 "N",
@@ -335,7 +336,7 @@ class _Reader:
         self.components[name] = (kind, found)
 
     def _mpdata(self, words: list[str]) -> None:
-        words = [word for word in words if not word.upper().startswith("R5")]
+        words = [word for word in words if not word.upper().startswith("R5")] + [""] * 4
         # MPDATA, [number,] label, material, location, values
         if words[1].replace("+", "").isdigit():
             del words[1]
@@ -349,13 +350,15 @@ class _Reader:
             self.properties.setdefault(self.whole(material), {})[label.upper()] = self.number(values[0])
 
     def _couple(self, words: list[str]) -> None:
-        """CP,R5.0,DEFI,set,count,label, ... and CP,R5.0,NODE,set?,nodes: sets of equal degrees of freedom."""
-        words = [word for word in words if not word.upper().startswith("R5")]
+        """CP,R5.0,DEFI,set,count,label and CP,R5.0,NODE,nodes, or CP,set,label,nodes: equal degrees of freedom."""
+        words = [word for word in words if not word.upper().startswith("R5")] + [""] * 2
         if words[1].upper() == "DEFI":
             label = words[4].upper() if len(words) > 4 else ""
             self.open_couple = self.whole(words[2])
             self.coupled[self.open_couple] = (label, [], self.at)
         elif words[1].upper() == "NODE":
+            if self.open_couple not in self.coupled:
+                self.fail("CP of nodes without its definition", "CP,R5.0,DEFI before it")
             self.coupled[self.open_couple][1].extend(self.whole(word) for word in words[2:] if word)
         elif len(words) > 3:  # CP,set,label,nodes
             label, _, line = self.coupled.get(self.whole(words[1]), (words[2].upper(), [], self.at))
@@ -364,13 +367,13 @@ class _Reader:
             )
 
     def _equation(self, words: list[str]) -> None:
-        words = [word for word in words if not word.upper().startswith("R5")]
+        words = [word for word in words if not word.upper().startswith("R5")] + [""] * 2
         if words[1].upper() in {"NODE", "HIGH"}:
             return
         self.equations.setdefault(words[2] if words[1].upper() == "DEFI" else words[1], self.at)
 
     def _units(self, words: list[str]) -> None:
-        self.units = ",".join(words[1:])
+        self.units = ",".join(filter(None, words[1:]))
 
     # -- everything together --
 
@@ -728,7 +731,7 @@ def _shaped(shape: str, values: list[float], name: str) -> BeamSection:
         shear = ("I", (w3, w1, w2, t3, t1, t2))
     elif shape == "T":
         w1, w2, t1, t2 = values[:4]
-        shear = ("T", (w1, w2, t1, t2))
+        shear = ("T2", (w1, w2, t1, t2))  # its flange lies below, as VM10 of the verification manual shows
     elif shape == "L":
         w1, w2, t1, t2 = values[:4]
         shear = ("L", (w1, w2, t1, t2))

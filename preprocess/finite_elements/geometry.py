@@ -218,6 +218,13 @@ def read_deck(path: Path, root: Path | None = None) -> Deck:
         A missing or unreadable file.
     """
     existing_file(path, "a mesh file")
+    with np.errstate(
+        over="ignore", invalid="ignore"
+    ):  # positions that are not finite are refused with the body
+        return _read_deck(path, root)
+
+
+def _read_deck(path: Path, root: Path | None) -> Deck:
     suffix = path.suffix.lower()
     if suffix == ".inp":
         from heavylift.preprocess.finite_elements.abaqus_deck import read_abaqus_deck

@@ -510,7 +510,9 @@ class _Reader:
         return np.array(list(found.values()), dtype=np.float64).reshape(-1, 3)
 
     def _displacement_system(self, label: int) -> int:
-        """CD of a node."""
+        """CD of a node; 0 of one that does not exist, which is said where it is looked for."""
+        if label not in self.nodes:
+            return 0
         card = self.nodes[label][1]
         if not card.word(5):
             return max(self.default_systems[1], 0)

@@ -735,7 +735,7 @@ class FrameBuilder:
                     if word.upper() in {"ALPHA", "TREF"} or re.search(r"[.]", word):
                         break
                     if word.upper() == "THRU":
-                        others += range(others[-1] + 1, card.whole(k + 1, "a node"))
+                        others += self._through(card, others, k)[:-1]
                     elif word:
                         others.append(card.whole(k, "a node"))
                 components = self._components(card, 2, others)
@@ -746,6 +746,13 @@ class FrameBuilder:
             rows = np.array([self._node(card, other) for other in dict.fromkeys(others)])
             links.append(RigidLink(self._node(card, node), rows, components, name))
         return links, averages
+
+    def _through(self, card: Card, nodes: list[int], k: int) -> list[int]:
+        """Nodes behind the last one up to that of the field behind THRU, as far as there are such nodes."""
+        if not nodes:
+            card.fail("THRU without a node before it", "a node, THRU and a node")
+        last = card.whole(k + 1, "a node")
+        return [*(label for label in self.row if nodes[-1] < label < last), last]
 
     def _rbar(self, card: Card) -> tuple[int, list[int], NDArray[np.bool_]]:
         a, b = card.whole(1, "a node"), card.whole(2, "a node")
@@ -783,7 +790,7 @@ class FrameBuilder:
                 k += 2
             else:
                 if word == "THRU":
-                    more = list(range(nodes[-1] + 1, card.whole(k + 1, "a node") + 1))
+                    more = self._through(card, nodes, k)
                     k += 1
                 else:
                     more = [card.whole(k, "a node")]

@@ -158,7 +158,8 @@ class _Reader:
                         elements.append(words[k + 1])
 
     def _units(self, at: int, _end: int) -> None:
-        code = self.wholes(at, 1)[0] if re.fullmatch(r"\d+", self.lines[at].split()[0]) else 0
+        match = re.match(r"\s*(\d{1,9})", self.lines[at]) if at < len(self.lines) else None
+        code = int(match[1]) if match else 0
         if code in _UNITS:
             self.notes.append(f"the file says its units: {_UNITS[code]}")
 

@@ -128,6 +128,14 @@ def test_offset_counts_thicknesses_from_the_mid_surface(tmp_path, word, offset):
     assert read(tmp_path, PLATE + section + STEEL).shells[0].offset[0] == pytest.approx(offset)
 
 
+def test_keywords_that_are_left_out_are_told(tmp_path):
+    more = "*ORIENTATION, NAME=O\n1., 0., 0., 0., 1., 0.\n*BOUNDARY\n1, 1, 6\n*EQUATION\n2\n1, 1, 1., 2, 1, -1.\n"
+    notes = read(tmp_path, PLATE + SECTION + more + STEEL).notes
+    assert "read: 1 *SHELL SECTION, 1 S4R" in notes
+    assert "left out: 1 *ORIENTATION" in notes
+    assert any(note.endswith("the case has its own: 1 *BOUNDARY, 1 *EQUATION") for note in notes)
+
+
 @pytest.mark.parametrize("kind", ["S4", "S4R", "S4R5", "S3", "S3R", "STRI3"])
 def test_kinds_of_shells(tmp_path, kind):
     nodes = "1, 2, 3, 4" if kind[1] == "4" else "1, 2, 3"
@@ -317,6 +325,11 @@ def test_multi_point_constraints_and_rigid_bodies(tmp_path):
         (
             PLATE + SECTION + "*NONSTRUCTURAL MASS, ELSET=Deck, UNITS=MASS PER LENGTH\n1.\n",
             r"line 10: \*NONSTRUCTURAL MASS: a mass per length of shells",
+        ),
+        (
+            PLATE + SECTION + "*TRANSFORM, NSET=N\n0.,1.,0.,-1.,0.,0.\n*SURFACE, TYPE=NODE, NAME=S\n2\n"
+            "*COUPLING, REF NODE=1, SURFACE=S\n*KINEMATIC\n1, 2\n",
+            r"line 15: \*KINEMATIC: single directions beside \*TRANSFORM",
         ),
         (BEAM, r"B31: no section \(element 9\)"),
         (
