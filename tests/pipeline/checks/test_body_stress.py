@@ -148,6 +148,12 @@ body = "ringing"
 point = [1.5, {SIDE / 2}, {SIDE}]
 force = [0, 0, 1e-6]
 
+[[joints]]
+name = "pin"
+type = "ball"
+between = ["ground", "spinning"]
+at = [0, 4, 0]
+
 [[forces]]
 name = "pull"
 type = "point"
@@ -292,12 +298,13 @@ def test_a_bar_shaken_along_its_axis_bears_its_inertia(moved):
 
 
 def test_records_too_far_apart_for_a_mode_that_vibrates_are_told(moved):
-    note, place = moved.body_stress("ringing").notes
+    place, note = moved.body_stress("ringing").notes
     # mode 5 at 183 Hz: 5.5 ms
     assert note.startswith("Records are 0.002 s apart: 5 a period of vector 5 (18")
     assert not any("Records are" in text for text in moved.body_stress("shaken").notes)
     # of two places where forces act one has static vectors
     assert place.startswith("forces.0.point: the modes miss ")
+    assert any(text.startswith("joints.0.at: the modes miss") for text in moved.body_stress("spinning").notes)
     # without weight and motion of its frame there is nothing to correct
     assert moved.body_stress("ringing").correction.shape[1] == 0
 
