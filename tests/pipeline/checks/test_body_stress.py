@@ -272,6 +272,24 @@ def test_criteria_checks_pictures_and_page_have_one_number(resting, rested):
     assert np.nanmax(nodal_stresses(model, [modes], [turns])) != pytest.approx(state, rel=1e-3)
 
 
+@pytest.mark.slow
+def test_the_report_has_tables_and_pictures_of_it(tmp_path_factory):
+    case = made(tmp_path_factory, RESTING + "[report]\nmodes = []\nstress_modes = []\n")
+    report = run_case(case, stages=("report",))
+    assert report.outcome is Outcome.COMPLETED
+    folder = case.output_folder / "report"
+    text = (folder / "report.md").read_text(encoding="utf-8")
+    for name in ("held", "deck"):
+        assert f"## Stress of {name} over the run" in text
+        assert (folder / f"{name}_stress_largest.png").is_file()
+        assert (folder / f"{name}_stress_envelope.png").is_file()
+    value = Quantities(case, case.output_folder).number("stress.deck.bar.von_mises.max")
+    assert f"| bar | whole stress | {1e-6 * value:.4g} |" in text
+    assert "160 plates, 40 beams, 205 nodes" in text
+    # nothing changed: nothing is made again
+    assert run_case(case, stages=("report",)).stages[0].skipped
+
+
 def test_it_is_computed_once_and_again_when_what_it_was_made_from_has_changed(resting):
     folder, results = OutputFolder(resting.output_folder), load_results(resting)
     body_stress(resting, "held", folder, results)
