@@ -128,6 +128,13 @@ def _computed(case: Case, name: str, folder: OutputFolder, results: Results, log
     groups = _groups(case, name, body, model, parts)
     shapes = model_columns(reduced)
     modal = results[f"{name}.modal_position"].reshape(len(results.time), -1)
+    lost = ~np.isfinite(modal).all(axis=1)
+    if lost.any():
+        raise InputError(
+            f"the modal coordinates of {name!r} are not finite from {results.time[lost][0]:.6g} s on",
+            source=results.source,
+            expected="a run that stays finite",
+        )
     correction, loads, notes = np.empty((len(shapes), 0)), np.empty((len(modal), 0)), list[str]()
     flexibility = cache(partial(_flexibility, body, model))  # made when something needs it
     notes += _places(case, name, folder, reduced, shapes, flexibility)
@@ -622,10 +629,14 @@ def _field_loads(
     gravity = np.zeros(3) if case.gravity is None else np.array(case.gravity.acceleration, dtype=np.float64)
     spin = results[f"{name}.angular_velocity"].reshape(count, 3)
     rate, moved = np.zeros((count, 3)), np.zeros((count, 3))
-    if body.frame.motion == "driven" and count > 2:
+    # the last record of a run that was stopped may be there twice
+    times, first, again = np.unique(results.time, return_index=True, return_inverse=True)
+    if body.frame.motion == "driven" and len(times) > 2:
         velocity = results[f"{name}.velocity"].reshape(count, 3)
-        rate = np.asarray(np.gradient(spin, results.time, axis=0, edge_order=2))
-        moved = np.asarray(np.gradient(velocity, results.time, axis=0, edge_order=2))
+        rate, moved = (
+            np.asarray(np.gradient(one[first], times, axis=0, edge_order=2))[again.ravel()]
+            for one in (spin, velocity)
+        )
     turning, faster = (np.cross(one[:, np.newaxis], np.eye(3)).transpose(0, 2, 1) for one in (spin, rate))
     A = np.matmul(turning, turning) + (0.0 if free else faster)
     pull = to_body.apply(gravity - moved)

@@ -393,6 +393,13 @@ def test_a_group_that_the_mesh_does_not_have_is_refused_with_those_it_has(tmp_pa
         body_stress(changed, "held", OutputFolder(resting.output_folder), load_results(resting))
 
 
+def test_records_that_are_not_finite_have_no_stress(resting):
+    results = load_results(resting)
+    results["held.modal_position"][-1] = np.nan
+    with pytest.raises(InputError, match="modal coordinates of 'held' are not finite from 0 s on"):
+        body_stress(resting, "held", OutputFolder(resting.output_folder), results)
+
+
 def test_plates_have_their_own_thickness_by_which_a_grade_counts(tmp_path, resting):
     (tmp_path / "case.toml").write_text(RESTING.replace('grade = "S355"', 'grade = "S450"'))
     changed, folder = load_case(tmp_path), OutputFolder(resting.output_folder)
