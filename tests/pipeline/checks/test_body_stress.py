@@ -376,6 +376,11 @@ def test_quantities_that_the_table_does_not_have_are_refused(tmp_path, quantity)
         ('"50 mm" }},'.replace("}}", "}"), '"300 mm" },', "up to 250 mm"),
         ("gamma_M = 1.1", "gamma_M = 0.9", "too small"),
         ('name = "half", yield_strength', 'name = "root", yield_strength', "'root' is used before"),
+        (
+            '[simulate]\nstart = "equilibrium"\nduration = 0\n',
+            "",
+            r"bodies\.deck\.stress: needs a \[simulate\]",
+        ),
         ('body = "held"', 'body = "modes_only"', "'modes_only'.*yield strength|it has no yield strength"),
     ],
 )
