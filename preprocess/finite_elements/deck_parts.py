@@ -186,6 +186,7 @@ def loose_frame(cells: Sequence[tuple[str, NDArray[np.int64]]]) -> DeckFrame:
             )
     return DeckFrame(tuple(plates), tuple(beams))
 
+
 def some_elements(one: Part, own: NDArray[np.bool_]) -> Part:
     """Some elements of a property."""
     keys = ("index", "nodes", "thickness", "offset", "orientation", "offset_a", "offset_b", "released")
