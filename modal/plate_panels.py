@@ -23,11 +23,12 @@ import numpy as np
 from heavylift.preprocess.structures.stress import shell_stress
 
 if TYPE_CHECKING:
-    from collections.abc import Collection
+    from collections.abc import Collection, Sequence
 
     from numpy.typing import NDArray
     from scipy.sparse import csr_array
 
+    from heavylift.preprocess.finite_elements.material import Material
     from heavylift.preprocess.finite_elements.model import FEModel
     from heavylift.preprocess.structures.structure import Shells, Structure
 
@@ -82,11 +83,11 @@ def plate_panels(model: FEModel, names: Collection[str] | None = None) -> PlateP
     structure = model.structure
     assert structure is not None
     borders = _borders(structure)
-    found = [
-        _panels_of(model, structure, shells, borders)
-        for shells in structure.shells
-        if len(shells.elements) and shells.stretches and (names is None or shells.name in names)
-    ]
+    parts: dict[tuple[str, Material], list[Shells]] = {}
+    for shells in structure.shells:
+        if len(shells.elements) and shells.stretches and (names is None or shells.name in names):
+            parts.setdefault((shells.name, shells.material), []).append(shells)
+    found = [_panels_of(model, structure, some, borders) for some in parts.values()]
     if not found:
         none = np.empty(0)
         return PlatePanels((), none.reshape(0, 3), none, none, none, none, csr_array((0, model.dof_count)), 0)
@@ -166,37 +167,78 @@ def _keys(structure: Structure, elements: NDArray[np.int64]) -> NDArray[np.int64
     return _key(structure, elements, np.roll(elements, -1, axis=1))
 
 
+class _Elements(NamedTuple):
+    """Plate elements of one property, quadrilaterals and triangles.
+
+    Attributes
+    ----------
+    owner, key, pair
+        Of all edges: element (k,), key (k,), and nodes (k, 2).
+    middle, area, thickness, axes
+        Of the elements: means of the corners [m] (ne, 3), (ne,) [m2], (ne,) [m], (ne, 3, 3).
+    membrane
+        Stress at the centres, sparse (3 ne, N).
+    """
+
+    owner: NDArray[np.int64]
+    key: NDArray[np.int64]
+    pair: NDArray[np.int64]
+    middle: NDArray[np.float64]
+    area: NDArray[np.float64]
+    thickness: NDArray[np.float64]
+    axes: NDArray[np.float64]
+    membrane: csr_array
+
+
+def _elements(model: FEModel, structure: Structure, parts: Sequence[Shells]) -> _Elements:
+    from scipy.sparse import csr_array, vstack
+
+    owners, keys, pairs, middles, areas = [], [], [], [], []
+    stresses = [shell_stress(structure, shells, model, at="centres") for shells in parts]
+    first = 0
+    for shells in parts:
+        ne, width = shells.elements.shape
+        owners.append(np.repeat(first + np.arange(ne), width))
+        keys.append(_keys(structure, shells.elements).ravel())
+        pairs.append(np.stack([shells.elements, np.roll(shells.elements, -1, axis=1)], axis=2).reshape(-1, 2))
+        corners = structure.nodes[shells.elements]
+        middles.append(corners.mean(axis=1))
+        diagonal = corners[:, 3] - corners[:, 1] if width == 4 else corners[:, 2] - corners[:, 1]
+        across = np.cross(corners[:, 2] - corners[:, 0], diagonal)
+        areas.append(0.5 * np.linalg.norm(across, axis=1))
+        first += ne
+    return _Elements(
+        np.concatenate(owners),
+        np.concatenate(keys),
+        np.concatenate(pairs),
+        np.concatenate(middles),
+        np.concatenate(areas),
+        np.concatenate([one.thickness for one in stresses]),
+        np.concatenate([one.axes for one in stresses]),
+        csr_array(vstack([one.membrane for one in stresses], format="csr")),
+    )
+
+
 def _panels_of(
-    model: FEModel, structure: Structure, shells: Shells, borders: NDArray[np.int64]
+    model: FEModel, structure: Structure, parts: Sequence[Shells], borders: NDArray[np.int64]
 ) -> PlatePanels:
-    """Panels of one property."""
+    """Panels of one property and material."""
     from scipy.sparse import coo_array, csr_array
     from scipy.sparse.csgraph import connected_components
 
-    stress = shell_stress(structure, shells, model, at="centres")
-    ne, width = shells.elements.shape
-    keys = _keys(structure, shells.elements)
-    inner = ~np.isin(keys, borders)
-    order = np.argsort(keys[inner], kind="stable")
-    owner = np.repeat(np.arange(ne), width).reshape(ne, width)[inner][order]
-    same = keys[inner][order][1:] == keys[inner][order][:-1]
+    plates = _elements(model, structure, parts)
+    ne, area, normal = len(plates.area), plates.area, plates.axes[:, 2]
+    inner = ~np.isin(plates.key, borders)
+    order = np.argsort(plates.key[inner], kind="stable")
+    owner, key = plates.owner[inner][order], plates.key[inner][order]
+    same = key[1:] == key[:-1]
     first, second = owner[:-1][same], owner[1:][same]
-    normal = stress.axes[:, 2]
     plane = np.abs(np.einsum("pi,pi->p", normal[first], normal[second])) >= _PLANE
-    plane &= stress.thickness[first] == stress.thickness[second]
+    plane &= plates.thickness[first] == plates.thickness[second]
     graph = coo_array((np.ones(int(plane.sum())), (first[plane], second[plane])), shape=(ne, ne))
     count, label = connected_components(graph, directed=False)
 
-    corners = structure.nodes[shells.elements]
-    if width == 4:
-        area = 0.5 * np.linalg.norm(
-            np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1]), axis=1
-        )
-    else:
-        area = 0.5 * np.linalg.norm(
-            np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1
-        )
-    outer = _outline(label, keys, shells.elements)
+    outer = _outline(label, plates)
     centres, lengths, widths, thick, rows = [], [], [], [], []
     others = 0
     members = np.split(np.argsort(label, kind="stable"), np.cumsum(np.bincount(label, minlength=count))[:-1])
@@ -206,9 +248,9 @@ def _panels_of(
             others += 1
             continue
         centre, axes, a, b = shape
-        local = (corners[own].mean(axis=1) - centre) @ axes.T
-        c = stress.axes[own, 0] @ axes[0]
-        s = stress.axes[own, 1] @ axes[0]
+        local = (plates.middle[own] - centre) @ axes.T
+        c = plates.axes[own, 0] @ axes[0]
+        s = plates.axes[own, 1] @ axes[0]
         w = area[own] / area[own].sum()
         turned = np.stack(
             [
@@ -236,40 +278,36 @@ def _panels_of(
         centres.append(centre)
         lengths.append(a)
         widths.append(b)
-        thick.append(float(stress.thickness[own[0]]))
+        thick.append(float(plates.thickness[own[0]]))
     combine = csr_array((0, 3 * ne))
     if rows:
         data = np.concatenate([values.ravel() for values, _ in rows])
         index = np.concatenate([np.tile(columns, 5) for _, columns in rows])
         starts = np.concatenate([[0], np.cumsum(np.repeat([len(columns) for _, columns in rows], 5))])
         combine = csr_array((data, index, starts), shape=(5 * len(rows), 3 * ne))
-    E, nu = shells.material.young_modulus, shells.material.poisson_ratio
+    E, nu = parts[0].material.young_modulus, parts[0].material.poisson_ratio
     return PlatePanels(
-        group=(shells.name,) * len(rows),
+        group=(parts[0].name,) * len(rows),
         centre=np.array(centres).reshape(-1, 3),
         length=np.array(lengths),
         width=np.array(widths),
         thickness=np.array(thick),
         modulus=np.full(len(rows), np.pi**2 * E / (12.0 * (1.0 - nu**2))),
-        operator=csr_array(combine @ stress.membrane),
+        operator=csr_array(combine @ plates.membrane),
         others=others,
     )
 
 
-def _outline(
-    label: NDArray[np.int64], keys: NDArray[np.int64], elements: NDArray[np.int64]
-) -> list[NDArray[np.int64]]:
+def _outline(label: NDArray[np.int64], plates: _Elements) -> list[NDArray[np.int64]]:
     """Edges of each region that only one of its elements has, as pairs of nodes (k, 2)."""
-    width = keys.shape[1]
-    pairs = np.stack([elements, np.roll(elements, -1, axis=1)], axis=2).reshape(-1, 2)
-    region = np.repeat(label, width)
+    region = label[plates.owner]
     _, which, count = np.unique(
-        np.column_stack([region, keys.ravel()]), axis=0, return_inverse=True, return_counts=True
+        np.column_stack([region, plates.key]), axis=0, return_inverse=True, return_counts=True
     )
     alone = count[which.ravel()] == 1
     order = np.argsort(region[alone], kind="stable")
     ends = np.cumsum(np.bincount(region[alone], minlength=int(label.max(initial=-1)) + 1))
-    return np.split(pairs[alone][order], ends[:-1])
+    return np.split(plates.pair[alone][order], ends[:-1])
 
 
 def _rectangle(

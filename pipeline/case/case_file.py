@@ -106,6 +106,7 @@ class Case(SceneTables, _CaseHeading):
             self._integrates_contacts,
             self._has_an_operation,
             self._plans_ballast,
+            *(partial(self._has_a_run, name) for name in self.bodies),
             *(partial(self._has_axes, index) for index in range(len(self.relative_motions))),
         ]
         for part in parts:
@@ -269,6 +270,15 @@ class Case(SceneTables, _CaseHeading):
         except InputError as error:
             key = key_as_given(self.scenario, self._known, error.key)
             reject(error.problem, error.expected, key=f"scenario.{key}")
+
+    def _has_a_run(self, name: str) -> None:
+        """Stress over the run needs one."""
+        if getattr(self.bodies[name], "stress", None) is not None and self.simulate is None:
+            reject(
+                "needs a [simulate] section",
+                "a run; static load cases have stress without this table",
+                key=f"bodies.{name}.stress",
+            )
 
     def _plans_ballast(self) -> None:
         """Stages, tanks and hull of a ballast plan fit together."""

@@ -7,7 +7,9 @@ them.
 
 from __future__ import annotations
 
+import json
 from dataclasses import dataclass, replace
+from functools import cache, partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -30,7 +32,7 @@ from heavylift.pipeline.results.stress_io import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from numpy.typing import NDArray
 
@@ -126,13 +128,25 @@ def _computed(case: Case, name: str, folder: OutputFolder, results: Results, log
     groups = _groups(case, name, body, model, parts)
     shapes = model_columns(reduced)
     modal = results[f"{name}.modal_position"].reshape(len(results.time), -1)
+    lost = ~np.isfinite(modal).all(axis=1)
+    if lost.any():
+        raise InputError(
+            f"the modal coordinates of {name!r} are not finite from {results.time[lost][0]:.6g} s on",
+            source=results.source,
+            expected="a run that stays finite",
+        )
     correction, loads, notes = np.empty((len(shapes), 0)), np.empty((len(modal), 0)), list[str]()
+    flexibility = cache(partial(_flexibility, body, model))  # made when something needs it
+    notes += _places(case, name, folder, reduced, shapes, flexibility)
     if body.stress.correction:
-        correction, loads, notes = _correction(case, name, folder, model, reduced, shapes, results)
+        correction, loads, more = _correction(
+            case, name, folder, model, reduced, shapes, results, flexibility
+        )
+        notes += more
         shapes, modal = np.hstack([shapes, correction]), np.hstack([modal, loads])
     notes += _too_few_records(name, reduced, results)
     panels, more = _panels(case, name, body, model, shapes, modal)
-    notes += more + _places(case, name, model, reduced, shapes[:, : reduced.mode_count])
+    notes += more
     found: list[list[GroupHistory]] = []
     envelopes: list[PartEnvelope] = []
     total, done = sum(map(len, parts)), 0
@@ -499,10 +513,9 @@ def _correction(
     reduced: ReducedBody,
     shapes: NDArray[np.float64],
     results: Results,
+    flexibility: Callable[[], Flexibility],
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], list[str]]:
     """Shapes by unit load (N, k), loads at each record (records, k), and sentences on them."""
-    import json
-
     from heavylift.modal.flexibility import apply_mass
     from heavylift.modal.static_correction import inertia_fields, static_correction
 
@@ -517,13 +530,12 @@ def _correction(
     acting = np.flatnonzero(np.abs(loads).max(axis=0, initial=0.0) * size > _SLIGHT * gravity)
     if not acting.size:
         return np.empty((len(shapes), 0)), np.empty((len(loads), 0)), []
-    flexibility = _flexibility(body, model)
     fields = fields[:, :, acting].reshape(-1, len(acting))
     if model.points is None:
         forces = apply_mass(model.mass, fields)
     else:
         forces = model.points.operator.T @ (np.repeat(model.points.masses, 3)[:, np.newaxis] * fields)
-    found = static_correction(flexibility, shapes, reduced.eigenvalues, forces)
+    found = static_correction(flexibility(), shapes, reduced.eigenvalues, forces)
     notes = []
     if found.loads.size:
         modal = results[f"{name}.modal_position"].reshape(len(results.time), -1)
@@ -557,34 +569,44 @@ def _flexibility(body: Any, model: FEModel) -> Flexibility:
 
 
 def _places(
-    case: Case, name: str, model: FEModel, reduced: ReducedBody, shapes: NDArray[np.float64]
+    case: Case,
+    name: str,
+    folder: OutputFolder,
+    reduced: ReducedBody,
+    shapes: NDArray[np.float64],
+    flexibility: Callable[[], Flexibility],
 ) -> list[str]:
-    """Sentences on places where ropes and forces act, of which the modes have no static vectors."""
+    """Sentences on places where joints, ropes and forces act, of which the modes have no static vectors."""
     from heavylift.modal.bases import place_loads
     from heavylift.modal.static_correction import static_correction
-    from heavylift.pipeline.assemble.scene import points_on
+    from heavylift.pipeline.assemble.scene import assemble_scene, points_on
+    from heavylift.pipeline.case.interfaces import holding_joints
 
-    body: Any = case.bodies[name]
-    nothing = [None] * max(len(case.joints), len(case.contacts))
-    found = points_on(case, nothing[: len(case.joints)], nothing[: len(case.contacts)], name, np.zeros(3))
-    acting = [
-        (key, np.asarray(point, dtype=np.float64))
-        for key, point in found
-        if key.startswith(("ropes.", "forces.")) and not isinstance(point, str)
-    ]
-    known = [np.array(one.at) for one in body.interfaces.values() if one.at is not None]
-    open_ones = [
-        (key, point)
-        for key, point in acting
-        if not any(np.linalg.norm(point - at) <= _SAME * reduced.size for at in known)
-    ]
-    if not open_ones:
+    if not (case.joints or case.ropes or case.forces):
         return []
-    flexibility = _flexibility(body, model)
-    notes = []
-    for key, point in open_ones:
-        loads = place_loads(model, [point.tolist()], key=key)
-        missing = static_correction(flexibility, shapes, reduced.eigenvalues, loads.forces).missing
+    body: Any = case.bodies[name]
+    joints = assemble_scene(case, folder).joints
+    origin = np.array(json.loads(read_header(folder.reduced(name))["frame_origin"]))
+    # joints that hold directions have static vectors
+    held = {index for index, _ in holding_joints(case.joints, name)}
+    acting = points_on(
+        case,
+        [None if index in held else joint for index, joint in enumerate(joints)],
+        [None] * len(case.contacts),
+        name,
+        origin,
+    )
+    known = [np.array(one.at) for one in body.interfaces.values() if one.at is not None]
+    notes: list[str] = []
+    seen: list[NDArray[np.float64]] = []
+    for key, point in acting:
+        place = np.asarray(point, dtype=np.float64)
+        near = any(np.linalg.norm(place - at) <= _SAME * reduced.size for at in (*known, *seen))
+        if near or key.startswith(("sensors.", "relative_motions.", "leads.")):
+            continue
+        seen.append(place)
+        loads = place_loads(flexibility().model, [place.tolist()], key=key)
+        missing = static_correction(flexibility(), shapes, reduced.eigenvalues, loads.forces).missing
         worst = int(missing.argmax())
         if missing[worst] > _MISSED:
             notes.append(
@@ -607,10 +629,14 @@ def _field_loads(
     gravity = np.zeros(3) if case.gravity is None else np.array(case.gravity.acceleration, dtype=np.float64)
     spin = results[f"{name}.angular_velocity"].reshape(count, 3)
     rate, moved = np.zeros((count, 3)), np.zeros((count, 3))
-    if body.frame.motion == "driven" and count > 2:
+    # the last record of a run that was stopped may be there twice
+    times, first, again = np.unique(results.time, return_index=True, return_inverse=True)
+    if body.frame.motion == "driven" and len(times) > 2:
         velocity = results[f"{name}.velocity"].reshape(count, 3)
-        rate = np.asarray(np.gradient(spin, results.time, axis=0, edge_order=2))
-        moved = np.asarray(np.gradient(velocity, results.time, axis=0, edge_order=2))
+        rate, moved = (
+            np.asarray(np.gradient(one[first], times, axis=0, edge_order=2))[again.ravel()]
+            for one in (spin, velocity)
+        )
     turning, faster = (np.cross(one[:, np.newaxis], np.eye(3)).transpose(0, 2, 1) for one in (spin, rate))
     A = np.matmul(turning, turning) + (0.0 if free else faster)
     pull = to_body.apply(gravity - moved)

@@ -268,9 +268,8 @@ def write_stress(path: Path, stress: BodyStress, digest: str) -> None:
         for key in ("times", "correction", "loads"):
             _write(file, key, getattr(stress, key))
         groups = file.create_group("groups")
-        for name, group in stress.groups.items():
-            _write_entry(groups.create_group(name), group)
-        file.attrs["groups"] = json.dumps(list(stress.groups))
+        for number, group in enumerate(stress.groups.values()):
+            _write_entry(groups.create_group(f"{number:06d}"), group)
         spots = file.create_group("hot_spots")
         for name, history in stress.hot_spots.items():
             spots.create_dataset(name, data=history).attrs["unit"] = "Pa"
@@ -291,15 +290,13 @@ def read_stress(path: Path) -> BodyStress:
     with open_hdf5(path, _REMEDY) as file:
         if file.attrs.get("format") != _FORMAT:
             raise InputError("is no file of stress", source=path, expected=f"a {_FORMAT!r}; {_REMEDY}")
+        entries = [GroupStress(**_read_entry(group)) for group in file["groups"].values()]
         return BodyStress(
             times=file["times"][()],
             correction=file["correction"][()],
             loads=file["loads"][()],
             notes=tuple(json.loads(file.attrs["notes"])),
-            groups={
-                name: GroupStress(**_read_entry(file["groups"][name]))
-                for name in json.loads(file.attrs["groups"])
-            },
+            groups={group.name: group for group in entries},
             hot_spots={name: file["hot_spots"][name][()] for name in json.loads(file.attrs["hot_spots"])},
             parts=tuple(PartEnvelope(**_read_entry(part)) for part in file["parts"].values()),
             panels=_read_panels(file["panels"]) if "panels" in file else None,

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, TypeVar
 import numpy as np
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
     from pathlib import Path
 
     from numpy.typing import NDArray
@@ -15,7 +16,15 @@ if TYPE_CHECKING:
     from heavylift.preprocess.structures.sections import BeamSection
     from heavylift.preprocess.structures.structure import Average, PointMass, RigidLink, Tie
 
-__all__ = ["DeckBeams", "DeckFrame", "DeckPlates", "element_sizes", "some_elements", "with_extra_mass"]
+__all__ = [
+    "DeckBeams",
+    "DeckFrame",
+    "DeckPlates",
+    "element_sizes",
+    "loose_frame",
+    "some_elements",
+    "with_extra_mass",
+]
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,6 +139,52 @@ class DeckFrame:
     notes: tuple[str, ...] = ()
     instead: tuple[str, ...] = ()
     also: frozenset[str] = frozenset()
+
+
+def loose_frame(cells: Sequence[tuple[str, NDArray[np.int64]]]) -> DeckFrame:
+    """Plates and beams of cells that have no property: what they are a case says by group.
+
+    Parameters
+    ----------
+    cells
+        Type as meshio calls it and nodes, of all blocks of a deck in their order.
+    """
+    plates, beams = [], []
+    start = 0
+    for kind, nodes in cells:
+        count = len(nodes)
+        index = np.arange(start, start + count)
+        start += count
+        if kind in {"triangle", "quad"}:
+            plates.append(
+                DeckPlates(
+                    name=kind,
+                    index=index,
+                    nodes=np.asarray(nodes, dtype=np.int64),
+                    material=-1,
+                    thickness=np.full(count, np.nan),
+                    offset=np.zeros(count),
+                    loose=True,
+                )
+            )
+        elif kind == "line":
+            zeros = np.zeros((count, 3))
+            beams.append(
+                DeckBeams(
+                    name=kind,
+                    index=index,
+                    nodes=np.asarray(nodes, dtype=np.int64),
+                    material=-1,
+                    section=None,
+                    orientation=np.full((count, 3), np.nan),
+                    offset_a=zeros,
+                    offset_b=zeros,
+                    released=np.zeros((count, 12), dtype=bool),
+                    loose=True,
+                    optional=True,
+                )
+            )
+    return DeckFrame(tuple(plates), tuple(beams))
 
 
 def some_elements(one: Part, own: NDArray[np.bool_]) -> Part:

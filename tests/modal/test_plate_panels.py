@@ -22,7 +22,7 @@ def grid(nx, ny, lx, ly):
     return np.column_stack([s.ravel(), t.ravel(), np.zeros(s.size)]), quads.reshape(-1, 4)
 
 
-def deck(angle=0.0):
+def deck(angle=0.0, *, mixed=False):
     """2.4 m x 1.6 m with a stiffener along y = 0.6 m and a web below x = 1.6 m, turned in its plane and about x."""
     nodes, quads = grid(12, 8, 2.4, 1.6)
     line = np.flatnonzero(np.isclose(nodes[:, 1], 0.6))
@@ -31,9 +31,14 @@ def deck(angle=0.0):
     web = np.column_stack([edge[:-1], edge[1:], len(nodes) + np.arange(1, 9), len(nodes) + np.arange(8)])
     c, s = np.cos(angle), np.sin(angle)
     turn = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]]) @ np.array([[1, 0, 0], [0, c, -s], [0, s, c]])
+    shells = [Shells("deck", quads, STEEL, T), Shells("web", web, STEEL, 0.01)]
+    if mixed:  # some quadrilaterals in halves
+        halves = np.concatenate([quads[::5][:, [0, 1, 2]], quads[::5][:, [0, 2, 3]]])
+        shells[0] = Shells("deck", np.delete(quads, np.s_[::5], axis=0), STEEL, T)
+        shells.append(Shells("deck", halves, STEEL, T))
     structure = Structure(
         np.concatenate([nodes, below]) @ turn.T,
-        shells=(Shells("deck", quads, STEEL, T), Shells("web", web, STEEL, 0.01)),
+        shells=tuple(shells),
         beams=(
             Beams(
                 "bar", np.column_stack([line[:-1], line[1:]]), STEEL,
@@ -44,9 +49,9 @@ def deck(angle=0.0):
     return assemble_structure(structure), turn
 
 
-@pytest.mark.parametrize("angle", [0.0, 0.4])
-def test_stiffeners_and_plates_divide_panels(angle):
-    model, turn = deck(angle)
+@pytest.mark.parametrize(("angle", "mixed"), [(0.0, False), (0.4, False), (0.4, True)])
+def test_stiffeners_and_plates_divide_panels(angle, mixed):
+    model, turn = deck(angle, mixed=mixed)
     panels = plate_panels(model)
     found = sorted(
         (name, round(float(a), 9), round(float(b), 9))
@@ -70,9 +75,9 @@ def strained(model, turn, strain, slope=0.0):
     return np.concatenate([(u @ turn.T).ravel(), np.zeros(3 * len(model.rotating))])
 
 
-@pytest.mark.parametrize("angle", [0.0, 0.4])
-def test_panels_buckle_at_the_stresses_of_theory(angle):
-    model, turn = deck(angle)
+@pytest.mark.parametrize(("angle", "mixed"), [(0.0, False), (0.4, True)])
+def test_panels_buckle_at_the_stresses_of_theory(angle, mixed):
+    model, turn = deck(angle, mixed=mixed)
     panels = plate_panels(model, ["deck"])
     reference = np.pi**2 * 2.1e11 / (12.0 * 0.91) * (T / panels.width) ** 2
     slender = panels.width / panels.length

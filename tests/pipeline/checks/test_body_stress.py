@@ -148,6 +148,12 @@ body = "ringing"
 point = [1.5, {SIDE / 2}, {SIDE}]
 force = [0, 0, 1e-6]
 
+[[joints]]
+name = "pin"
+type = "ball"
+between = ["ground", "spinning"]
+at = [0, 4, 0]
+
 [[forces]]
 name = "pull"
 type = "point"
@@ -239,6 +245,7 @@ def test_criteria_checks_pictures_and_page_have_one_number(resting, rested):
         rested.number("stress.deck.plate.centre.utilisation.max"),
     ]
     assert lines[0].where.startswith("root at (0, ")
+    assert lines[0].clauses[0].source.startswith("EN 10025-2")
     folder, results = OutputFolder(resting.output_folder), load_results(resting)
     shown = {}
 
@@ -263,6 +270,24 @@ def test_criteria_checks_pictures_and_page_have_one_number(resting, rested):
     modes = np.tensordot(results["deck.modal_position"][0], reduced.mode_shapes, axes=1)
     turns = np.tensordot(results["deck.modal_position"][0], reduced.mode_rotations, axes=1)
     assert np.nanmax(nodal_stresses(model, [modes], [turns])) != pytest.approx(state, rel=1e-3)
+
+
+@pytest.mark.slow
+def test_the_report_has_tables_and_pictures_of_it(tmp_path_factory):
+    case = made(tmp_path_factory, RESTING + "[report]\nmodes = []\nstress_modes = []\n")
+    report = run_case(case, stages=("report",))
+    assert report.outcome is Outcome.COMPLETED
+    folder = case.output_folder / "report"
+    text = (folder / "report.md").read_text(encoding="utf-8")
+    for name in ("held", "deck"):
+        assert f"## Stress of {name} over the run" in text
+        assert (folder / f"{name}_stress_largest.png").is_file()
+        assert (folder / f"{name}_stress_envelope.png").is_file()
+    value = Quantities(case, case.output_folder).number("stress.deck.bar.von_mises.max")
+    assert f"| bar | whole stress | {1e-6 * value:.4g} |" in text
+    assert "160 plates, 40 beams, 205 nodes" in text
+    # nothing changed: nothing is made again
+    assert run_case(case, stages=("report",)).stages[0].skipped
 
 
 def test_it_is_computed_once_and_again_when_what_it_was_made_from_has_changed(resting):
@@ -291,12 +316,13 @@ def test_a_bar_shaken_along_its_axis_bears_its_inertia(moved):
 
 
 def test_records_too_far_apart_for_a_mode_that_vibrates_are_told(moved):
-    note, place = moved.body_stress("ringing").notes
+    place, note = moved.body_stress("ringing").notes
     # mode 5 at 183 Hz: 5.5 ms
     assert note.startswith("Records are 0.002 s apart: 5 a period of vector 5 (18")
     assert not any("Records are" in text for text in moved.body_stress("shaken").notes)
     # of two places where forces act one has static vectors
     assert place.startswith("forces.0.point: the modes miss ")
+    assert any(text.startswith("joints.0.at: the modes miss") for text in moved.body_stress("spinning").notes)
     # without weight and motion of its frame there is nothing to correct
     assert moved.body_stress("ringing").correction.shape[1] == 0
 
@@ -350,6 +376,11 @@ def test_quantities_that_the_table_does_not_have_are_refused(tmp_path, quantity)
         ('"50 mm" }},'.replace("}}", "}"), '"300 mm" },', "up to 250 mm"),
         ("gamma_M = 1.1", "gamma_M = 0.9", "too small"),
         ('name = "half", yield_strength', 'name = "root", yield_strength', "'root' is used before"),
+        (
+            '[simulate]\nstart = "equilibrium"\nduration = 0\n',
+            "",
+            r"bodies\.deck\.stress: needs a \[simulate\]",
+        ),
         ('body = "held"', 'body = "modes_only"', "'modes_only'.*yield strength|it has no yield strength"),
     ],
 )
@@ -365,6 +396,13 @@ def test_a_group_that_the_mesh_does_not_have_is_refused_with_those_it_has(tmp_pa
     changed = load_case(tmp_path)
     with pytest.raises(InputError, match=r"group 'tip' does not exist.*half, root"):
         body_stress(changed, "held", OutputFolder(resting.output_folder), load_results(resting))
+
+
+def test_records_that_are_not_finite_have_no_stress(resting):
+    results = load_results(resting)
+    results["held.modal_position"][-1] = np.nan
+    with pytest.raises(InputError, match="modal coordinates of 'held' are not finite from 0 s on"):
+        body_stress(resting, "held", OutputFolder(resting.output_folder), results)
 
 
 def test_plates_have_their_own_thickness_by_which_a_grade_counts(tmp_path, resting):
