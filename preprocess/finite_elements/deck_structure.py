@@ -269,33 +269,68 @@ def structure_of(
         made = _Maker(
             deck, given or {}, ignore_material, length_unit, mass_unit, plates or {}, beams or {}, source
         ).structure(elements, part, merge_nodes)
-        _check_finite(made)
+        _check_numbers(made)
     return made
 
 
-def _check_finite(made: Structure) -> None:
-    """Refuse numbers beyond all bounds, as slips of exponents make them."""
-    found: list[tuple[str, list[object]]] = [
-        (part.name, [part.thickness, part.offset, part.nonstructural_mass, part.bending_factor])
+_FARTHEST = 1e9
+"""Positions beyond are slips of exponents [m]."""
+
+
+def _check_numbers(made: Structure) -> None:
+    """Refuse what slips of exponents and signs make: numbers beyond all bounds, and constants that nothing has."""
+    found: list[tuple[str, dict[str, object], dict[str, float]]] = [
+        (
+            part.name,
+            {"thickness": part.thickness, "offset": part.offset},
+            {
+                "nonstructural mass": part.nonstructural_mass,
+                "bending factor": part.bending_factor,
+                "shear factor": part.shear_factor,
+            },
+        )
         for part in made.shells
     ]
     for beams in made.beams:
-        section = beams.section
-        values: list[object] = [
-            beams.orientation,
-            beams.offset_a,
-            beams.offset_b,
-            section.area,
-            section.torsion,
-        ]
-        values += [section.second_moment_1, section.second_moment_2, section.product, section.shear_centre]
-        found.append((beams.name, [*values, section.nonstructural_mass]))
-    found += [(mass.name, [mass.mass, mass.offset, mass.inertia]) for mass in made.masses]
-    for name, values in found:
-        if not all(np.isfinite(np.asarray(value, dtype=np.float64)).all() for value in values):
+        one = beams.section
+        free: dict[str, object] = {
+            "orientation": beams.orientation,
+            "offset": (beams.offset_a, beams.offset_b),
+        }
+        free |= {"product": one.product, "shear centre": one.shear_centre}
+        moments = {"second moment 1": one.second_moment_1, "second moment 2": one.second_moment_2}
+        positive = {**moments, "torsion constant": one.torsion, "nonstructural mass": one.nonstructural_mass}
+        found.append((beams.name, free, positive))
+        for key, area in (("area", one.area), ("shear area", min(one.shear_area_1, one.shear_area_2))):
+            if not area > 0.0:
+                raise InputError(
+                    f"{beams.name}: {key} {area:g} m2", source=made.name, expected="a positive area"
+                )
+        if one.product**2 > one.second_moment_1 * one.second_moment_2 * (1.0 + 1e-9):
             raise InputError(
-                f"{name}: numbers beyond all bounds", source=made.name, expected="numbers of a structure"
+                f"{beams.name}: product {one.product:g} m4 of second moments {one.second_moment_1:g} and "
+                f"{one.second_moment_2:g} m4",
+                source=made.name,
+                expected="a product whose square is below that of the second moments",
             )
+    found += [
+        (one.name, {"offset": one.offset, "inertia": one.inertia}, {"mass": one.mass}) for one in made.masses
+    ]
+    for name, free, positive in found:
+        for key, value in {**free, **positive}.items():
+            if not np.isfinite(np.asarray(value, dtype=np.float64)).all():
+                raise InputError(
+                    f"{name}: {key} is beyond all bounds", source=made.name, expected="a finite number"
+                )
+        for key, number in positive.items():
+            if number < 0.0:
+                raise InputError(f"{name}: {key} {number:g}", source=made.name, expected="none below 0")
+    if np.abs(made.nodes).max() > _FARTHEST:
+        raise InputError(
+            f"a node is {np.abs(made.nodes).max():g} m from the origin",
+            source=made.name,
+            expected=f"positions within {_FARTHEST:g} m",
+        )
     if not np.isfinite(sum(one.mass for one in property_masses(made))):
         raise InputError("the mass is beyond all bounds", source=made.name, expected="numbers of a structure")
 

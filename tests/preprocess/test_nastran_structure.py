@@ -277,6 +277,14 @@ def test_a_shear_modulus_beside_the_others_is_that_of_beams(tmp_path):
             "CBEAM,9,6,1,2,0.,0.,1.\nPBEAML,6,7,,BAR\n,1.,2.,,YES,1.,1.,1.\n",
             r"line 7: PBEAML: its section changes",
         ),
+        (
+            "CBAR,9,6,1,2,0.,0.,1.\nPBAR,6,7,.01,-1.-6\n",
+            r"PBAR 6: second moment 1 -1e-06; expected none below 0",
+        ),
+        (
+            "CBEAM,9,6,1,2,0.,0.,1.\nPBEAM,6,7,.01,1.-6,1.-6\n,\n,-1.,0.\n",
+            r"PBAR 6: shear area -0.01 m2",
+        ),
         ("CBAR,9,5,1,1,0.,0.,1.\n", r"line 6: CBAR: element 9 has no length"),
         ("CBAR,9,5,1,2,0.,0.,1.\nCROD,10,5,1,2\n", r"line 7: CROD: has the property PBAR 5; expected PROD"),
     ],
