@@ -273,6 +273,7 @@ def structure_of(
     return made
 
 
+_LARGEST, _SMALLEST = 1e30, 1e-20
 _FARTHEST = 1e9
 """Positions beyond are slips of exponents [m]."""
 
@@ -287,6 +288,7 @@ def _check_numbers(made: Structure) -> None:
                 "nonstructural mass": part.nonstructural_mass,
                 "bending factor": part.bending_factor,
                 "shear factor": part.shear_factor,
+                "Young's modulus": part.material.young_modulus,
             },
         )
         for part in made.shells
@@ -299,13 +301,30 @@ def _check_numbers(made: Structure) -> None:
         }
         free |= {"product": one.product, "shear centre": one.shear_centre}
         moments = {"second moment 1": one.second_moment_1, "second moment 2": one.second_moment_2}
+        moments["Young's modulus"] = beams.material.young_modulus
         positive = {**moments, "torsion constant": one.torsion, "nonstructural mass": one.nonstructural_mass}
         found.append((beams.name, free, positive))
         for key, area in (("area", one.area), ("shear area", min(one.shear_area_1, one.shear_area_2))):
-            if not area > 0.0:
+            if not area > _SMALLEST:
                 raise InputError(
                     f"{beams.name}: {key} {area:g} m2", source=made.name, expected="a positive area"
                 )
+    found += [
+        (one.name, {"offset": one.offset, "inertia": one.inertia}, {"mass": one.mass}) for one in made.masses
+    ]
+    for name, free, positive in found:
+        for key, value in {**free, **positive}.items():
+            if not (np.abs(np.asarray(value, dtype=np.float64)) < _LARGEST).all():
+                raise InputError(
+                    f"{name}: {key} is beyond all bounds",
+                    source=made.name,
+                    expected=f"a number below {_LARGEST:g}",
+                )
+        for key, number in positive.items():
+            if number < 0.0:
+                raise InputError(f"{name}: {key} {number:g}", source=made.name, expected="none below 0")
+    for beams in made.beams:
+        one = beams.section
         if one.product**2 > one.second_moment_1 * one.second_moment_2 * (1.0 + 1e-9):
             raise InputError(
                 f"{beams.name}: product {one.product:g} m4 of second moments {one.second_moment_1:g} and "
@@ -313,18 +332,6 @@ def _check_numbers(made: Structure) -> None:
                 source=made.name,
                 expected="a product whose square is below that of the second moments",
             )
-    found += [
-        (one.name, {"offset": one.offset, "inertia": one.inertia}, {"mass": one.mass}) for one in made.masses
-    ]
-    for name, free, positive in found:
-        for key, value in {**free, **positive}.items():
-            if not np.isfinite(np.asarray(value, dtype=np.float64)).all():
-                raise InputError(
-                    f"{name}: {key} is beyond all bounds", source=made.name, expected="a finite number"
-                )
-        for key, number in positive.items():
-            if number < 0.0:
-                raise InputError(f"{name}: {key} {number:g}", source=made.name, expected="none below 0")
     if np.abs(made.nodes).max() > _FARTHEST:
         raise InputError(
             f"a node is {np.abs(made.nodes).max():g} m from the origin",
@@ -347,7 +354,12 @@ class _Maker:
         beams: Mapping[str, BeamProperty],
         source: object,
     ) -> None:
-        assert deck.frame is not None
+        if deck.frame is None:
+            raise InputError(
+                "has no plates, beams, masses or rigid elements",
+                source=deck.source,
+                expected="elements of a structure",
+            )
         self.deck, self.frame, self.source = deck, deck.frame, source
         self.given, self.ignore_material = given, ignore_material
         self.plate_wishes, self.beam_wishes = plates, beams

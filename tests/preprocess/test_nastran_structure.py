@@ -366,7 +366,7 @@ def test_rigid_elements(tmp_path):
         ("RBE3,31,,1,123,1.,12,2,3\n", r"line 8: RBE3: components '12' of the averaged nodes"),
         ("RBE3,31,,1,123,1.,123,THRU,3\n", r"line 8: RBE3: THRU without a node before it"),
         ("RBE2,30,77,13,2\n", r"line 8: RBE2: node 77 does not exist"),
-        ("PSHELL,4,7,1.+308,7\nCTRIA3,10,4,1,2,3\n", r"the mass is beyond all bounds"),
+        ("PSHELL,4,7,1.+308,7\nCTRIA3,10,4,1,2,3\n", r"PSHELL 4: thickness is beyond all bounds"),
         ("RBAR,32,1,2,123,456\n", r"line 8: RBAR: CNA = 123, CNB = 456; expected all six"),
         ("CONM2,20,8,,2.5\nGRID,8,,9.,9.,9.\n", r"CONM2 20 of 2.5 hangs on a node of no element"),
         ("GRID,8,,9.,9.,9.\nGRID,10,,8.,9.,9.\nRBE2,30,8,123456,10\n", r"RBE2 30 joins nodes of no element"),
