@@ -114,6 +114,8 @@ _REFUSED = {
 }
 _SHELLS = re.compile(r"(S3R?S?|S4R?S?W?|S4R5|STRI3)$")
 _BEAMS = re.compile(r"B3[13]H?$")
+# what meshers write surfaces and lines as, without a section
+_MESHED_PLATES, _MESHED_BEAMS = re.compile(r"(CPS[34]|CPE[34]|M3D[34])R?$"), re.compile(r"T3D2$")
 
 
 def general_material(card: Card) -> DeckMaterial:
@@ -219,7 +221,7 @@ class FrameMaker:
         solids = Counter({block.name: len(block.labels) for block in self.all.blocks if block.kind})
         cards = Counter(f"*{card.shown}" for one in self.all.placed for card in one.part.frame_cards)
         read = {**elements, **solids, **cards}
-        words = [f"read: {', '.join(f'{n} {name}' for name, n in sorted(read.items()))}"]
+        words = [f"read: {', '.join(f'{n} {name}' for name, n in sorted(read.items()))}"] if read else []
         left = self.all.reader.unread
         if left:
             words.append(f"left out: {', '.join(f'{n} *{key}' for key, n in sorted(left.items()))}")
@@ -331,7 +333,8 @@ class FrameMaker:
         found = []
         for start, block in self.all.numbered_blocks():
             own = start + np.flatnonzero(~done[start : start + len(block.labels)])
-            if _SHELLS.match(block.name) and own.size:
+            meshed = _MESHED_PLATES.match(block.name) and block.harmless
+            if (_SHELLS.match(block.name) or meshed) and own.size:
                 found.append(
                     DeckPlates(
                         name=block.name,
@@ -351,7 +354,8 @@ class FrameMaker:
         found = []
         for start, block in self.all.numbered_blocks():
             own = start + np.flatnonzero(~done[start : start + len(block.labels)])
-            if _BEAMS.match(block.name) and own.size:
+            meshed = bool(_MESHED_BEAMS.match(block.name)) and block.harmless
+            if (_BEAMS.match(block.name) or meshed) and own.size:
                 zeros = np.zeros((own.size, 3))
                 found.append(
                     DeckBeams(
@@ -365,6 +369,7 @@ class FrameMaker:
                         offset_b=zeros,
                         released=np.zeros((own.size, 12), dtype=bool),
                         loose=True,
+                        optional=meshed,
                     )
                 )
         return found

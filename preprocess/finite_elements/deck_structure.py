@@ -177,6 +177,12 @@ def has_structure(deck: Deck, elements: Sequence[str], named: Sequence[str] = ()
         Groups that the case gives plates or beams for.
     """
     frame = deck.frame
+    if frame is None and named:
+        raise InputError(
+            f"has no plates and no beams, and the case has {named[0]!r}",
+            source=deck.source,
+            expected="no tables of plates and stiffeners for a body of solids",
+        )
     if frame is None:
         return False
     if named:
@@ -392,8 +398,12 @@ class _Maker:
             own[one.index].any() and not one.loose for one in _parts(frame.plates, frame.beams)
         )
         plates = [one for one in plates if own[one.index].any() and not (groups and one.loose)]
+        # plates without any property are a mesh: its lines are groups too
+        mesh = bool(plates) and all(one.loose for one in _parts(frame.plates, frame.beams))
         beams = [
-            one for one in beams if own[one.index].any() and not (one.loose and (groups or one.optional))
+            one
+            for one in beams
+            if own[one.index].any() and not (one.loose and (groups or mesh or one.optional))
         ]
         taken = solid.copy()
         for one in _parts(plates, beams):
@@ -456,7 +466,7 @@ class _Maker:
             curved = not have_solids and re.fullmatch(r"'?(triangle[67]|quad[89])'?", block.name)
             if own.size and (curved or (not block.harmless and not self._is_loose(start + own))):
                 wrong.append((block, own.size, block.labels[own[0]]))
-            elif own.size and block.name.strip("'") == "line":
+            elif own.size and block.name.strip("'") in {"line", "T3D2", "B31", "CBAR"}:
                 self.notes.append(f"left out: {own.size} lines without a section, which are groups")
             elif own.size and block.words and block.name not in self.frame.also:
                 self.notes.append(f"left out: {own.size} {block.words} {block.name}")

@@ -490,7 +490,9 @@ def test_groups_that_the_case_gives(tmp_path):
         given=steel,
         plates={"deck": plates["pshell 4"]},
     )
-    fails(tmp_path, text, "PBAR 8: no section", given=steel, plates=plates)
+    alone = read(tmp_path, text, given=steel, plates=plates)  # a mesh without any property: lines are groups
+    assert (alone.beams, "left out: 1 lines without a section, which are groups" in alone.notes) == ((), True)
+    fails(tmp_path, text + "PSHELL,3,7,0.01\n" + STEEL, "PBAR 8: no section", plates=plates)
     no_direction = {"PBAR 8": BeamProperty(section=section)}
     fails(tmp_path, text, "PBAR 8: no orientation", given=steel, plates=plates, beams=no_direction)
 
