@@ -227,10 +227,11 @@ def refuse_coincident(fits: Mapping[str, Fit], size: float) -> None:
 
 
 def group_weights(model: FEModel, nodes: NDArray[np.int64]) -> NDArray[np.float64]:
-    """Tributary measure of the nodes of a group: its share of area, else of length, else of volume, else equal.
+    """Tributary measure of the nodes of a group: its share of area or length, or equal shares.
 
-    Area is that of plates and of outer faces of solids whose nodes are all in the group, length that of edges with both
-    ends in it; the first of these that reaches all nodes counts.
+    Area is that of plates and of outer faces of solids: of those whose nodes are all in the group if they reach all of
+    its nodes, else, of a group with a ragged border, of all around them. Where no face is in the group, as on a line of
+    plating, length is that of edges with both ends in it, if they reach all of its nodes.
 
     Returns
     -------
@@ -239,13 +240,15 @@ def group_weights(model: FEModel, nodes: NDArray[np.int64]) -> NDArray[np.float6
     """
     inside = np.zeros(model.node_count, dtype=bool)
     inside[nodes] = True
-    for parts in (_faces(model), _edges(model)):
+    faces, edges = _faces(model), _edges(model)
+    whole = [part[inside[part].all(axis=1)] for part in faces]
+    chosen = [whole, faces] if any(len(part) for part in whole) else []
+    for parts in (*chosen, [part[inside[part].all(axis=1)] for part in edges]):
         shares = np.zeros(model.node_count)
         reached = np.zeros(model.node_count, dtype=bool)
         for part in parts:
-            chosen = part[inside[part].all(axis=1)]
-            reached[chosen] = True
-            for column, values in zip(chosen.T, _measures(model.nodes, chosen).T, strict=True):
+            reached[part] = True
+            for column, values in zip(part.T, _measures(model.nodes, part).T, strict=True):
                 np.add.at(shares, column, values)
         if reached[nodes].all() and shares[nodes].sum() > 0.0:
             return shares[nodes] / shares[nodes].sum()

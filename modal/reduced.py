@@ -380,6 +380,14 @@ class ReducedBody:
             return np.zeros((self.mode_count, 3))
         return np.einsum("akl,mal->mk", turning, self.mode_shapes[:, around])
 
+    def lies_on_a_line(self, place: ArrayLike) -> bool:
+        """Whether the nodes that make the rotation of a place [m] do; not of elements, nor at interfaces."""
+        if not self.continuum or self.elements is not None or self.interface_at(place) is not None:
+            return False
+        nodes, weights = self.locate(place)
+        around, _ = place_rotation(self.nodes, None, nodes, weights @ self.nodes[nodes])
+        return bool(np.linalg.matrix_rank(_centred(self.nodes[around]), tol=1e-6 * self.size) < 2)
+
     def turns(self, rotation: NDArray[np.float64], direction: ArrayLike | None = None) -> bool:
         """Whether modes turn a place, or a unit direction there, by more than a thousandth of what they would at most.
 

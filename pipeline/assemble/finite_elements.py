@@ -139,6 +139,13 @@ def _structure_of_deck(
     from heavylift.preprocess.structures.assemble import assemble_structure
     from heavylift.preprocess.structures.sections import profile
 
+    if "formulation" in body.mesh.model_fields_set:
+        raise InputError(
+            f"{body.mesh.formulation!r} with plates, beams, masses or rigid elements in the file",
+            source=name,
+            key="mesh.formulation",
+            expected="no formulation: it is for bodies of solids alone",
+        )
     of_body = body.material.given() if body.material else {}
 
     def material(own: MaterialSection | None, key: str) -> Material | None:

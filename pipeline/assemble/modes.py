@@ -131,7 +131,7 @@ def _static_states(flexibility: Flexibility, body: FlexibleBodySection) -> list[
     """Equilibrium under each static load case of a body, with the buckling factors that are asked for."""
     from heavylift.modal.buckling import buckling
     from heavylift.modal.statics import solve_static
-    from heavylift.modal.stiffening import stress_stiffness
+    from heavylift.modal.stress_stiffness import stress_stiffness
 
     model, cases = flexibility.model, body.static
     asked = [index for index, one in enumerate(cases) if one.buckling]
@@ -165,6 +165,7 @@ def _nodal_forces(model: FEModel, load: StaticLoadSection, key: str) -> NDArray[
     """Nodal forces of a load [N, N m], node-major, shape (N,)."""
     from heavylift.modal.contact_vectors import outer_faces
     from heavylift.modal.flexibility import apply_mass
+    from heavylift.modal.interfaces import group_weights
     from heavylift.modal.statics import face_area, face_forces
 
     if load.acceleration is not None:
@@ -172,13 +173,29 @@ def _nodal_forces(model: FEModel, load: StaticLoadSection, key: str) -> NDArray[
         field[: 3 * model.node_count] = np.tile(load.acceleration, model.node_count)
         return apply_mass(model.mass, field)
     nodes = _place_nodes(model, load, key)
+    if load.moment is not None:
+        turning = nodes[model.rotation_dofs[nodes] >= 0]
+        if not len(turning):
+            raise InputError(
+                f"a moment on {len(nodes)} node(s) without rotations",
+                key=key,
+                expected="nodes of plates or beams; forces of a couple on solids",
+            )
+        moments = np.zeros(model.dof_count)
+        shares = group_weights(model, turning)[:, np.newaxis] * np.asarray(load.moment)
+        moments[model.rotation_dofs[turning][:, np.newaxis] + np.arange(3)] = shares
+        return moments
     try:
         faces = outer_faces(model, nodes, name=key)
     except InputError:
         if load.force is None:
             raise
         forces = np.zeros(model.dof_count)
-        forces[: 3 * model.node_count].reshape(-1, 3)[nodes] = np.asarray(load.force) / len(nodes)
+        at_nodes = forces[: 3 * model.node_count].reshape(-1, 3)
+        if model.structure is None:
+            at_nodes[nodes] = np.asarray(load.force) / len(nodes)
+        else:
+            at_nodes[nodes] = group_weights(model, nodes)[:, np.newaxis] * np.asarray(load.force)
         return forces
     if load.pressure is not None:
         return face_forces(model, faces, pressure=load.pressure)
@@ -342,7 +359,7 @@ def _stiffened(
     from heavylift.modal.bases import Loads, place_loads
     from heavylift.modal.flexibility import Flexibility
     from heavylift.modal.interfaces import attachment_loads
-    from heavylift.modal.stiffening import inertia_stiffening, stress_stiffness, with_loads
+    from heavylift.modal.stress_stiffness import inertia_stiffening, stress_stiffness, with_loads
 
     free = body.frame.motion == "free"
     if free and (model.fixed_nodes.size or model.fixed_dofs.size):
@@ -503,7 +520,9 @@ def contour_loads(
         if nodes.ndim == 1 and isinstance(contour, SurfaceContourSection):
             with located(case, f"contours.{name}"):
                 loads.append(
-                    _loads_of_fit(model, nodes, contour.degree, directions or NORMAL, fixed_nodes, name)
+                    _loads_of_fit(
+                        model, nodes, contour.degree, directions or NORMAL, np.asarray(fixed_nodes), name
+                    )
                 )
             continue
         chosen = directions or (NORMAL if nodes.ndim == 2 else "xyz")
@@ -531,7 +550,7 @@ def _loads_of_fit(
     nodes: NDArray[np.int64],
     degrees: tuple[int, int],
     directions: str,
-    fixed_nodes: NDArray[np.int64],
+    fixed_nodes: Sequence[int] | NDArray[Any],
     name: str,
 ) -> Loads:
     """Unit forces on each control point of a surface that is fitted to nodes of a face, on the free ones of these."""

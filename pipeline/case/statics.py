@@ -9,7 +9,9 @@ from pydantic import BeforeValidator, Field, StringConstraints, model_validator
 from heavylift.pipeline.case.fields import (
     AccelerationVector,
     ForceVector,
+    GroupName,
     LengthVector,
+    MomentVector,
     Name,
     Quantity,
     Section,
@@ -28,7 +30,9 @@ _Stress = Annotated[float, Quantity("pressure")]
 class _PlaceSection(Section):
     """Which nodes of a flexible body."""
 
-    on: Annotated[tuple[Name, ...], BeforeValidator(as_list, json_schema_input_type=Name | list[Name])] = ()
+    on: Annotated[
+        tuple[GroupName, ...], BeforeValidator(as_list, json_schema_input_type=GroupName | list[GroupName])
+    ] = ()
     """A group of nodes, or a list of groups; all nodes of the body if absent."""
     lower: LengthVector | None = Field(default=None, alias="from")
     """Corner of a box with the smallest coordinates [m]; nodes outside of the box are left out."""
@@ -92,19 +96,24 @@ class StaticLoadSection(_PlaceSection):
     traction: tuple[_Stress, _Stress, _Stress] | None = None
     """Force by area on the faces [Pa], axes of the geometry."""
     force: ForceVector | None = None
-    """Resultant on the faces [N], spread evenly over their area; on nodes that make up no face in equal shares."""
+    """Resultant on the faces [N], spread evenly over their area; on nodes that make up no face in equal shares, of
+    plates and beams by the length of the edges between them."""
+    moment: MomentVector | None = None
+    """Resultant on nodes of plates or beams [N m], in shares of the area or length between them."""
     acceleration: AccelerationVector | None = None
     """Force by mass on all of the body [m/s^2], as of gravity."""
 
     @model_validator(mode="after")
     def _is_one_load(self) -> Self:
         given = [
-            key for key in ("pressure", "traction", "force", "acceleration") if getattr(self, key) is not None
+            key
+            for key in ("pressure", "traction", "force", "moment", "acceleration")
+            if getattr(self, key) is not None
         ]
         if len(given) != 1:
             reject(
                 f"{' and '.join(map(repr, given))} together" if given else "no load",
-                "one of 'pressure', 'traction', 'force' and 'acceleration'",
+                "one of 'pressure', 'traction', 'force', 'moment' and 'acceleration'",
             )
         if self.acceleration is not None and self.is_somewhere:
             reject(

@@ -232,7 +232,7 @@ def _static_load(load: Any) -> str:
         return f"pressure {number_words(load.pressure, 'Pa')} on {_place(load)}"
     key, unit = next(
         (key, unit)
-        for key, unit in (("traction", "Pa"), ("force", "N"), ("acceleration", "m/s²"))
+        for key, unit in (("traction", "Pa"), ("force", "N"), ("moment", "N m"), ("acceleration", "m/s²"))
         if getattr(load, key) is not None
     )
     where = f" on {_place(load)}" if key != "acceleration" else ""

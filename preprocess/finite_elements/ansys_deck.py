@@ -112,7 +112,7 @@ class _Reader:
         self.sections: dict[int, _Section] = {}
         self.section: _Section | None = None
         self.reals: dict[int, list[float]] = {}
-        self.components: dict[str, tuple[str, list[int]]] = {}
+        self.components: dict[str, tuple[str, list[tuple[int, int]]]] = {}
         self.properties: dict[int, dict[str, float]] = {}
         self.coupled: dict[int, tuple[str, list[int], int]] = {}
         self.equations: dict[str, int] = {}
@@ -327,12 +327,12 @@ class _Reader:
         rows = self._rows()
         while len(items) < count:
             items += self._fields(next(rows), width)[: max(count - len(items), 0)]
-        found: list[int] = []
+        found: list[tuple[int, int]] = []  # first and last; a negative number ends a range
         for item in items:
             if item < 0 and found:
-                found += range(found[-1] + 1, -item + 1)
+                found[-1] = (found[-1][0], -item)
             else:
-                found.append(item)
+                found.append((item, item))
         self.components[name] = (kind, found)
 
     def _mpdata(self, words: list[str]) -> None:
@@ -400,7 +400,7 @@ class _Reader:
         node_sets: dict[str, NDArray[np.int64]] = {}
         for name, (sort, items) in self.components.items():
             known = row if sort.startswith("NODE") else numbers
-            found = np.array(sorted(known[item] for item in items if item in known), dtype=np.int64)
+            found = _in_ranges(known, items)
             if found.size:
                 (node_sets if sort.startswith("NODE") else element_sets)[name] = found
         for name, found in element_sets.items():
@@ -714,6 +714,17 @@ class _Reader:
         if pairs and self.turned:
             self.said["coupled nodes (CP) are taken along global axes"] += len(pairs)
         return tuple(Tie(a, b, components, "CP") for (a, b), components in pairs.items())
+
+
+def _in_ranges(known: dict[int, int], ranges: list[tuple[int, int]]) -> NDArray[np.int64]:
+    """Rows of the numbers that are in some ranges, ascending."""
+    labels, rows = (np.array(list(each), dtype=np.int64) for each in (known.keys(), known.values()))
+    order = np.argsort(labels)
+    first, last = np.array(ranges, dtype=np.int64).reshape(-1, 2).T
+    starts = np.searchsorted(labels[order], first, side="left")
+    ends = np.searchsorted(labels[order], last, side="right")
+    inside = [order[a:b] for a, b in zip(starts, ends, strict=True)]
+    return np.unique(rows[np.concatenate([*inside, np.empty(0, dtype=np.int64)])])
 
 
 def _shaped(shape: str, values: list[float], name: str) -> BeamSection:

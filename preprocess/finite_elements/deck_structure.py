@@ -10,7 +10,7 @@ import numpy as np
 
 from heavylift.numerics.outcome import InputError
 from heavylift.preprocess.finite_elements.deck import DeckMaterial, material_of
-from heavylift.preprocess.finite_elements.deck_parts import DeckBeams, DeckPlates
+from heavylift.preprocess.finite_elements.deck_parts import DeckBeams, DeckPlates, some_elements
 from heavylift.preprocess.structures.structure import (
     Average,
     Beams,
@@ -417,7 +417,8 @@ class _Maker:
                     if inside.all():
                         split.append(replace(one, name=name, loose=False))
                     elif inside.any():
-                        split += [_some(one, ~inside), replace(_some(one, inside), name=name, loose=False)]
+                        split += [some_elements(one, ~inside)]
+                        split.append(replace(some_elements(one, inside), name=name, loose=False))
                     else:
                         split.append(one)
                 if not any(one.name == name for one in split):
@@ -870,12 +871,6 @@ class _Maker:
             released=released,
             numbers=self._element_numbers(one.index[own]),
         )
-
-
-def _some(one: DeckPlates | DeckBeams, own: NDArray[np.bool_]) -> DeckPlates | DeckBeams:
-    """Some elements of a property."""
-    keys = ("index", "nodes", "thickness", "offset", "orientation", "offset_a", "offset_b", "released")
-    return replace(one, **{key: getattr(one, key)[own] for key in keys if hasattr(one, key)})
 
 
 def _scaled(section: BeamSection, units: UnitSystem) -> BeamSection:

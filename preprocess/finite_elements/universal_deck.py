@@ -16,7 +16,7 @@ import numpy as np
 
 from heavylift.numerics.outcome import InputError
 from heavylift.preprocess.finite_elements.deck import Deck, ElementBlock, deck_number, deck_text
-from heavylift.preprocess.finite_elements.geometry import loose_frame
+from heavylift.preprocess.finite_elements.deck_parts import loose_frame
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -11,7 +11,7 @@ from heavylift.modal.bases import patch_loads
 from heavylift.modal.buckling import buckling
 from heavylift.modal.flexibility import Flexibility, apply_mass
 from heavylift.modal.statics import face_forces, solve_static
-from heavylift.modal.stiffening import stress_stiffness
+from heavylift.modal.stress_stiffness import stress_stiffness
 from heavylift.preprocess.finite_elements.blocks import Box, mesh_blocks
 from heavylift.preprocess.finite_elements.elasticity import assemble
 from heavylift.preprocess.finite_elements.groups import OnPlane

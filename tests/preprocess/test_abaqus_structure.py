@@ -130,9 +130,10 @@ def test_offset_counts_thicknesses_from_the_mid_surface(tmp_path, word, offset):
 
 def test_keywords_that_are_left_out_are_told(tmp_path):
     more = "*ORIENTATION, NAME=O\n1., 0., 0., 0., 1., 0.\n*BOUNDARY\n1, 1, 6\n*EQUATION\n2\n1, 1, 1., 2, 1, -1.\n"
-    notes = read(tmp_path, PLATE + SECTION + more + STEEL).notes
+    steps = "*STEP\n*STATIC\n*CLOAD\n1, 3, 1.\n*END STEP\n"
+    notes = read(tmp_path, PLATE + SECTION + more + STEEL + steps).notes
     assert "read: 1 *SHELL SECTION, 1 S4R" in notes
-    assert "left out: 1 *ORIENTATION" in notes
+    assert "left out: 1 *CLOAD, 1 *ORIENTATION, 1 *STATIC" in notes
     assert any(note.endswith("the case has its own: 1 *BOUNDARY, 1 *EQUATION") for note in notes)
 
 
@@ -330,6 +331,10 @@ def test_multi_point_constraints_and_rigid_bodies(tmp_path):
             PLATE + SECTION + "*TRANSFORM, NSET=N\n0.,1.,0.,-1.,0.,0.\n*SURFACE, TYPE=NODE, NAME=S\n2\n"
             "*COUPLING, REF NODE=1, SURFACE=S\n*KINEMATIC\n1, 2\n",
             r"line 15: \*KINEMATIC: single directions beside \*TRANSFORM",
+        ),
+        (
+            PLATE + SECTION + "*RIGID BODY, REF NODE=1\n",
+            r"line 10: \*RIGID BODY: no set of nodes or elements",
         ),
         (BEAM, r"B31: no section \(element 9\)"),
         (

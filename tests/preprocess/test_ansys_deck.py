@@ -56,12 +56,14 @@ def fails(tmp_path, text, match):
 def test_a_plate(tmp_path):
     text = HEAD + nblock() + eblock(QUAD, (10, 1, 1, 1, 1, (1, 2, 3, 3))) + PLATE_SECTION + MATERIAL
     text += "CMBLOCK,EDGE    ,NODE,       3\n(8i10)\n         1        -3         4\n"
+    text += "CMBLOCK,FAR     ,NODE,       2\n(8i10)\n         4-900000000\n"  # no more than there are
     made = read(tmp_path, text)
     quad, triangle = made.shells
     assert (quad.elements.tolist(), triangle.elements.tolist()) == ([[0, 1, 2, 3]], [[0, 1, 2]])
     assert (quad.thickness[0], quad.offset[0]) == (0.01, 0.0)
     assert sum(one.mass for one in property_masses(made)) == pytest.approx(3 * 78.5)
     assert made.node_groups["EDGE"].tolist() == [0, 1, 2, 3]
+    assert made.node_groups["FAR"].tolist() == [3]
     assert any(note.startswith("read: ") and "2 SHELL181" in note for note in made.notes)
     assert "the file says /UNITS,USER" in made.notes
 

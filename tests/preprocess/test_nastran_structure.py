@@ -385,9 +385,44 @@ def test_what_is_read_and_what_is_not_is_told_with_counts(tmp_path):
     assert any("PARAM,K6ROT,1. is left out" in note for note in notes)
     assert "case control selects no NSM: entries of nonstructural mass do not count" in notes
     assert any("1 SPC1" in note and "the case has its own" in note for note in notes)
-    notes = read(tmp_path, "SOL 103\nCEND\nNSM = 4\nBEGIN BULK\n" + PLATE + more).notes
-    assert any("case control has NSM = 4: this mass is not read" in note for note in notes)
     assert any(note.startswith("mass 157 kg, centre (1.000000, 0.500000, 0.000000) m") for note in notes)
+
+
+@pytest.mark.parametrize(
+    ("card", "mass"),
+    [
+        ("NSM1,4,PSHELL,2.,3", 4.0),  # per area: 2 m2
+        ("NSM,4,PSHELL,3,2.,5,1.", 4.0 + 1.0),
+        ("NSML1,4,PSHELL,6.,3,5", 6.0),  # in all
+        ("NSML,4,PBARL,7,10.", 10.0),
+        ("NSM1,4,PBAR,5.,ALL", 10.0),  # per length: 2 m
+        ("NSM1,4,ELEMENT,3.,9,THRU,11", 3.0 * (2.0 + 1.0 + 2.0)),
+        ("NSMADD,4,8,9\nNSM1,8,PSHELL,2.,3\nNSM1,9,PSHELL,1.,3\nNSM1,7,PSHELL,50.,3", 6.0),
+    ],
+)
+def test_nonstructural_mass_that_case_control_selects(tmp_path, card, mass):
+    text = (
+        PLATE
+        + "PSHELL,5,7,0.01,7\nCTRIA3,10,5,1,2,3\nCBAR,11,7,1,2,0.,0.,1.\n"
+        + BAR.replace("PBAR,5,", "PBAR,7,")
+    )
+    text = text.replace("1.-6,3.", "1.-6,0.") + card + "\n"
+    alone = sum(one.mass for one in property_masses(read(tmp_path, text)))
+    made = read(tmp_path, "SOL 103\nCEND\nSUBCASE 1\nNSM = 4\nBEGIN BULK\n" + text)
+    assert sum(one.mass for one in property_masses(made)) == pytest.approx(alone + mass, rel=1e-12)
+    assert not any("left out" in note or "do not count" in note for note in made.notes)
+
+
+@pytest.mark.parametrize(
+    ("card", "words"),
+    [
+        ("NSM1,4,PSHEAR,2.,3", r"NSM1: of PSHEAR; expected PSHELL"),
+        ("NSM1,4,PSHELL,2.,8", r"NSM1: no elements of PSHELL 8"),
+        ("NSM1,4,PSHELL,2.,THRU,8", r"NSM1: THRU without numbers"),
+    ],
+)
+def test_faults_of_nonstructural_mass(tmp_path, card, words):
+    fails(tmp_path, "SOL 103\nCEND\nNSM = 4\nBEGIN BULK\n" + PLATE + card + "\n", words)
 
 
 @pytest.mark.parametrize(

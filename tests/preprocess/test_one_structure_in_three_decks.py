@@ -23,7 +23,7 @@ NODES += [(1.0, 1.1, 1.2), (0.0, 1.0, 0.8)]
 QUADS = [(1, 2, 5, 4), (2, 3, 6, 5)]
 T, OFFSET = 0.02, 0.01  # the nodes lie under the plates
 # bar from node 4 to 5 to 6 with constants by number; its centroid 0.1 along n1 and 0.03 along n2 from the nodes
-A, DEEP, FLAT, J = 4e-3, 6e-6, 2e-6, 1e-6
+A, DEEP, FLAT, PRODUCT, J = 4e-3, 6e-6, 2e-6, 1.2e-6, 1e-6
 UP = (0.1, 0.2, 1.0)
 ALONG, ACROSS = 0.1, 0.03
 
@@ -38,7 +38,9 @@ def offset(a, b):
 
 def nastran():
     text = "".join(f"GRID,{k},,{','.join(map(repr, x))}\n" for k, x in enumerate(NODES, 1))
-    text += "MAT1,1,2.1+11,,0.3,7850.\n" + f"PSHELL,1,1,{T},1,,1\nPBAR,2,1,{A},{DEEP},{FLAT},{J}\n"
+    text += (
+        f"MAT1,1,2.1+11,,0.3,7850.\nPSHELL,1,1,{T},1,,1\nPBAR,2,1,{A},{DEEP},{FLAT},{J}\n,\n,,,{PRODUCT}\n"
+    )
     text += "".join(
         f"CQUAD4,{k},1,{','.join(map(str, nodes))},,{OFFSET}\n" for k, nodes in enumerate(QUADS, 11)
     )
@@ -57,7 +59,7 @@ def abaqus():
     # the reference surface lies half a thickness below the middle
     text += f"*SHELL SECTION, ELSET=Deck, MATERIAL=Steel, OFFSET=SNEG\n{T}, 5\n"
     text += "*BEAM GENERAL SECTION, SECTION=GENERAL, ELSET=Rib, DENSITY=7850.\n"
-    text += f"{A}, {FLAT}, 0., {DEEP}, {J}\n{', '.join(map(str, UP))}\n2.1e11, {2.1e11 / 2.6!r}\n"
+    text += f"{A}, {FLAT}, {PRODUCT}, {DEEP}, {J}\n{', '.join(map(str, UP))}\n2.1e11, {2.1e11 / 2.6!r}\n"
     text += f"*CENTROID\n{ALONG}, {ACROSS}\n*SHEAR CENTER\n{ALONG}, {ACROSS}\n"
     text += "*ELEMENT, TYPE=MASS, ELSET=M1\n32, 7\n*MASS, ELSET=M1\n40.\n"
     text += "*ELEMENT, TYPE=ROTARYI, ELSET=R1\n35, 7\n*ROTARY INERTIA, ELSET=R1\n2., 3., 4., -0.1, 0., 0.\n"
@@ -82,7 +84,7 @@ def ansys():
     text += eblock(*elements)
     text += f"SECTYPE,1,SHELL\nSECDATA,{T},1\nSECOFFSET,BOT\n"
     # its y axis is -n2: the centroid of the section in y and z from the nodes
-    text += f"SECTYPE,2,BEAM,ASEC\nSECDATA,{A},{DEEP},0.,{FLAT},0.,{J},{-ACROSS},{ALONG},{-ACROSS},{ALONG}\n"
+    text += f"SECTYPE,2,BEAM,ASEC\nSECDATA,{A},{DEEP},{-PRODUCT},{FLAT},0.,{J},{-ACROSS},{ALONG},{-ACROSS},{ALONG}\n"
     text += "SECOFFSET,ORIGIN\nMP,EX,1,2.1E11\nMP,PRXY,1,0.3\nMP,DENS,1,7850.\n"
     return "body.cdb", text + "R,1,40.,40.,40.,2.,3.,4.\nR,2,5.,5.,5.\n"
 

@@ -14,7 +14,7 @@ from heavylift.modal.flexibility import Flexibility
 from heavylift.modal.place_rotation import place_rotation
 from heavylift.modal.reduced import ReducedBody
 from heavylift.modal.reduction import reduce_body
-from heavylift.modal.stiffening import inertia_stiffening, stress_stiffness, with_loads
+from heavylift.modal.stress_stiffness import inertia_stiffening, stress_stiffness, with_loads
 from heavylift.preprocess.finite_elements.blocks import Box, mesh_blocks
 from heavylift.preprocess.finite_elements.elasticity import assemble
 from heavylift.preprocess.finite_elements.groups import OnPlane

@@ -12,6 +12,7 @@ from scipy.sparse import eye_array
 from solid_beams import BENDING, DENSITY, LENGTH, SIDE, YOUNG, beam, cantilever
 
 from heavylift.modal.invariants import shape_integrals
+from heavylift.modal.reduced import ReducedBody
 from heavylift.solver.forces.point import PointForce
 from heavylift.solver.joints.ball import Ball
 from heavylift.solver.joints.distance import Distance
@@ -271,3 +272,17 @@ def test_directions_of_vehicles_are_those_of_the_frame() -> None:
     assert markers["direction"].tolist() == [True]
     assert markers["turned"].tolist() == [False]
     np.testing.assert_array_equal(constants[0], [1.0, 0.0, 0.0])
+
+
+def test_a_joint_on_a_line_of_nodes_is_told() -> None:
+    """Nodes without elements along x have no rotation about x; four that span a plane do."""
+    x = np.linspace(0.0, 1.0, 30)
+    for offset, told in ((0.0, True), (0.05, False)):
+        nodes = np.stack([x, offset * (np.arange(30) % 2), np.zeros(30)], axis=1)
+        shape = np.zeros((1, 30, 3))
+        shape[0, :, 2] = x**2
+        mass = (eye_array(30) / float(np.sum(x**4))).tocsr()
+        integrals = shape_integrals(nodes, shape, mass)
+        wire = ReducedBody(nodes, np.ones(1), shape, integrals, False, ("bent",), np.zeros(1), 0.0)
+        notes = packed(FixedJoint, (1.0, nodes[-1, 1], 0.0), beam(wire)).notes
+        assert any("'bolt' holds directions" in note and "on a line" in note for note in notes) == told

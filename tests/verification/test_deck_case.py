@@ -15,7 +15,7 @@ CASES = Path(__file__).resolve().parents[2] / "cases"
 
 @pytest.mark.slow
 def test_a_block_of_a_deck_hangs_on_four_ropes(tmp_path):
-    result = verify_case(CASES / "nastran_block", out=tmp_path, force=True, log=Log(quiet=True))
+    result = verify_case(CASES / "nastran_block", out=tmp_path, overrides=(), force=True, log=Log(quiet=True))
     assert result.outcome is Outcome.COMPLETED, (result.message, result.checks)
     assert [check.id for check in result.checks if not check.passed] == []
     assert len(result.checks) == 5

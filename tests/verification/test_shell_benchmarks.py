@@ -220,4 +220,4 @@ def test_case_meets_its_references(tmp_path):
     case = Path(__file__).resolve().parents[2] / "cases" / "shell_benchmarks"
     result = verify_case(case, out=tmp_path, overrides=(), force=True, log=Log(quiet=True))
     assert result.outcome is Outcome.COMPLETED, [check for check in result.checks if not check.passed]
-    assert len(result.checks) == 28
+    assert len(result.checks) == 29

@@ -124,6 +124,10 @@ def test_faults_of_the_file_are_named(folder, old, new, words):
             '[bodies.panel.plates."PBAR 2"]\nthickness = 0.1\n',
             r"plates\.PBAR 2: group 'PBAR 2' has no plates",
         ),
+        (
+            '[bodies.panel.mesh]\nformulation = "full"\n',
+            r"bodies\.panel\.mesh\.formulation: 'full' with plates",
+        ),
         ('[bodies.panel.stiffeners."PBAR 2"]\nfoot = 0.1\n', r"'foot' without 'section'"),
         (
             '[bodies.panel.plates."PSHELL 1".material]\ndensity = 1.0\n',

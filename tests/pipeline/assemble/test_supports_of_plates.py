@@ -31,6 +31,17 @@ def plate(low, count, *, cut=False):
     return assemble_structure(structure)
 
 
+def solid():
+    brick = np.array(
+        [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]], float
+    )
+    return assemble_structure(
+        Structure(
+            brick, solids=(Solids("s", np.arange(8)[None], "hex8", STEEL),), node_groups={"all": np.arange(8)}
+        )
+    )
+
+
 def solved(model, held, forces):
     free = np.setdiff1d(np.arange(model.dof_count), held)
     u = np.zeros(model.dof_count)
@@ -70,16 +81,30 @@ def test_rotations_are_held_where_there_are_some_only():
     held = held_directions(model, [BodySupportSection(on="edge", rotations="z")])
     assert (held >= 3 * n).all()
     assert set((held - 3 * n) % 3) == {2}
-    brick = np.array(
-        [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]], float
-    )
-    solid = assemble_structure(
-        Structure(
-            brick, solids=(Solids("s", np.arange(8)[None], "hex8", STEEL),), node_groups={"all": np.arange(8)}
-        )
-    )
     with pytest.raises(InputError, match=r"rotations of 8 node.s. that have none"):
-        held_directions(solid, [BodySupportSection(on="all", rotations="x")])
+        held_directions(solid(), [BodySupportSection(on="all", rotations="x")])
     for wrong in ({"symmetry": "x", "rotations": "y"}, {"rotations": "y"}, {"on": "all"}):
         with pytest.raises(ValueError, match=r"'rotations'|neither"):
             BodySupportSection(**wrong)
+
+
+def test_forces_and_moments_on_an_edge_are_shared_by_its_length():
+    """Trapezoids along an edge of unequal elements; a moment acts on rotations, and on solids it is refused."""
+    line = np.array([0.0, 0.5, 0.6, 1.0])
+    x, y = (a.ravel() for a in np.meshgrid([0.0, 1.0], line, indexing="ij"))
+    quads = np.array([[k, k + 4, k + 5, k + 1] for k in range(3)])
+    model = assemble_structure(
+        Structure(
+            np.column_stack([x, y, 0 * x]),
+            shells=(Shells("q", quads, STEEL, 0.02),),
+            node_groups={"SET1 7": np.arange(4, 8)},
+        )
+    )
+    shares = np.array([0.25, 0.3, 0.25, 0.2])
+    force = _nodal_forces(model, StaticLoadSection(on="SET1 7", force=(0, 0, 10.0)), "load")
+    np.testing.assert_allclose(force[12:24].reshape(-1, 3)[:, 2], 10.0 * shares)
+    moment = _nodal_forces(model, StaticLoadSection(on="SET1 7", moment=(0, 5.0, 0)), "load")
+    np.testing.assert_allclose(moment[36:48].reshape(-1, 3)[:, 1], 5.0 * shares)
+    assert np.count_nonzero(moment) == np.count_nonzero(force) == 4
+    with pytest.raises(InputError, match=r"a moment on 8 node.s. without rotations"):
+        _nodal_forces(solid(), StaticLoadSection(on="all", moment=(1.0, 0, 0)), "load")

@@ -192,3 +192,18 @@ def test_solids_of_a_structure_are_those_of_a_mesh(mass):
     mesh = assemble(Mesh(structure.nodes, structure.solids[0].elements, "hex8"), STEEL, mass=mass)
     np.testing.assert_allclose(found.stiffness.toarray(), mesh.stiffness.toarray(), rtol=1e-12)
     np.testing.assert_allclose(found.mass.toarray(), mesh.full_mass().toarray(), rtol=1e-9, atol=1e-9)
+
+
+def test_a_link_to_a_line_of_solid_nodes_turns_about_it_and_is_refused():
+    """Along an axis of the structure the rotation is held and told; about an inclined line it is refused."""
+    along = brick_with(np.array([0.5, 0.0, 1.0]), links=(RigidLink(8, np.array([4, 5])),))
+    model = assemble_structure(along)
+    assert model.fixed_dofs.tolist() == [27]
+    assert model.notes[-1].startswith("1 rotations of 1 nodes are held")
+    inclined = brick_with(np.array([0.5, 0.5, 1.0]), links=(RigidLink(8, np.array([4, 6])),))
+    with pytest.raises(
+        InputError, match=r"node 9 at \(0.5, 0.5, 1\) m: turns freely about the axis \(-?0.707, -?0.707, "
+    ):
+        assemble_structure(inclined)
+    three = brick_with(np.array([0.5, 0.5, 1.0]), links=(RigidLink(8, np.array([4, 6, 7])),))
+    assert assemble_structure(three).fixed_dofs.size == 0
