@@ -6,8 +6,10 @@ from typing import Any
 
 import numpy as np
 import pytest
+import solid_beams
 from flexible_surfaces import HEIGHT, LENGTH, MASS, bar, beam_on_springs, flexible, plate, skin, touching
 from mesh_contact_scenes import DOWN, G, run, turn
+from test_collisions_of_meshes import plate as clamped_plate
 
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.rotation import rotation_matrix
@@ -133,6 +135,45 @@ def test_ends_lift_off_an_elastic_foundation():
     assert np.count_nonzero(expected == 0.0) >= 2
     assert np.isclose(found.sum(), WEIGHT + force, rtol=1e-8)
     np.testing.assert_allclose(found, expected, rtol=0.0, atol=2e-2 * expected.max())
+
+
+def test_a_cantilever_carries_a_box():
+    """Its frame is fixed; it sinks by ``m g a^3 / (3 E I)`` and its own weight where the box sticks to it."""
+    place, mass = 0.9, 2.0
+    reduced = solid_beams.cantilever(20, 8, points=((place, 0.0, 0.5 * solid_beams.SIDE),))
+    beam = solid_beams.beam(reduced, damping_ratio=np.full(reduced.mode_count, 0.1))
+    box = RigidBody("box", mass, 1e-3 * np.eye(3), position=np.array([place, 0.0, 0.02]))
+    scene = touching(
+        (beam, box),
+        {"box": ("box", box_surface((0.05, 0.04, 0.02)))},
+        LinearLaw(1e7, 2e3),
+        friction=0.5,
+        patch_size=1.0,
+    )
+    found = run(scene, 2e-4, 1.5)
+    line = solid_beams.DENSITY * solid_beams.SIDE**2 * G
+    sunk = mass * G * place**3 / 3.0 + line * place**2 * (6.0 - 4.0 * place + place**2) / 24.0
+    np.testing.assert_allclose(0.02 - found["box.position"][-1, 2], sunk / solid_beams.BENDING, rtol=1e-2)
+    np.testing.assert_allclose(found["touch_1.normal_force"][-1], mass * G, rtol=1e-2)
+
+
+@pytest.mark.slow
+def test_a_flexible_body_lies_on_a_shell():
+    """Each deforms in its own way: with modes, and with nodes."""
+    body = flexible("bar", bar(4, size=(0.3, 0.2, 0.1), divisions=(3, 2, 2)), (0.0, 0.0, 0.062), 0.2)
+    own, sheet = skin("bar", body.reduced), clamped_plate(0.0, clamped=True)
+    scene = Scene(
+        bodies=(body, sheet),
+        forces=(Gravity(np.array(DOWN)),),
+        surfaces=(CollisionSurface(name="sheet", body="plate", surface=None, facets=1), own),
+        collisions=(
+            Collision(name="touch", surfaces=("sheet", own.name), law=LinearLaw(1e5, 5e2), patch_size=1.0),
+        ),
+    )
+    found = run(scene, 5e-4, 0.5)
+    weight = body.reduced.integrals.mass * G
+    np.testing.assert_allclose(found["touch.normal_force"][-1], weight, rtol=2e-2)
+    assert found.drift < 1e-6
 
 
 # ---- impacts ----
