@@ -59,7 +59,7 @@ def outer_faces(model: FEModel, nodes: Nodes, *, name: str = "face") -> NDArray[
     -------
     NDArray
         Node indices, shape (nf, 4) or (nf, 8) of bricks or (nf, 6) of quadratic tetrahedra, anticlockwise from
-        outside.
+        outside; of structures (nf, 4), plates anticlockwise about the normal, triangles with their last node twice.
 
     Raises
     ------
@@ -67,7 +67,8 @@ def outer_faces(model: FEModel, nodes: Nodes, *, name: str = "face") -> NDArray[
         If the model has no elements, or no outer face has all of its nodes among those given.
     """
     source = model.name or "finite element model"
-    if model.mesh is None:
+    elements = model.mesh or model.structure
+    if elements is None:
         raise InputError(
             "a model of nodes and matrices alone has no surface",
             source=source,
@@ -76,7 +77,7 @@ def outer_faces(model: FEModel, nodes: Nodes, *, name: str = "face") -> NDArray[
         )
     chosen = np.zeros(model.node_count, dtype=bool)
     chosen[np.asarray(nodes, dtype=np.int64)] = True
-    faces = model.mesh.boundary_faces()
+    faces = elements.boundary_faces()
     faces = faces[chosen[faces].all(axis=1)]
     if not len(faces):
         raise InputError(

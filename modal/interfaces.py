@@ -1,14 +1,11 @@
 """Interfaces: places of a body that others are attached to by a force and a moment.
 
 The motion of a place with reference point p is that of a group of nodes i with weights w, in the sense of least squares
-(the interpolation of Nastran's RBE3). With the weighted centre c, the arms r from it, and W the sum of weights::
-
-    Theta = J^-1 sum w r x u,    U = sum w u / W + Theta x (p - c),    J = sum w (r^2 I - r r^T)
-
-Its transpose spreads a force F and a moment M at p over the nodes, ``f = w (F / W + J^-1 (M + (p - c) x F) x r)``,
-and adds no stiffness. On a line of nodes J is singular about the line: there the rotations of the nodes join the fit
-with ``w l^2 |Theta - theta|^2``, l the length of the group. A rigid interface has the same motion of a group that does
-not deform (RBE2).
+(the interpolation of Nastran's RBE3, `heavylift.preprocess.structures.group_motion`). With the weighted centre c, the
+arms r from it, W the sum of weights and J their moments of inertia, its transpose spreads a force F and a moment M at p
+over the nodes, ``f = w (F / W + J^-1 (M + (p - c) x F) x r)``, and adds no stiffness. On a line of nodes, where J is
+singular, rotations of the nodes join the fit. A rigid interface has the same motion of a group that does not deform
+(RBE2).
 """
 
 from __future__ import annotations
@@ -27,6 +24,7 @@ from heavylift.modal.reduced import SAME_PLACE, Interface
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.threads import one_blas_thread
 from heavylift.preprocess.finite_elements.mesh import Mesh, find_place
+from heavylift.preprocess.structures.group_motion import mean_motion
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -54,7 +52,6 @@ __all__ = [
 DIRECTIONS = ("force x", "force y", "force z", "moment x", "moment y", "moment z")
 """Of the six loads of an interface."""
 
-_THIN = 1e-8  # smallest over largest moment of inertia of a group that is on a line
 _STIFF = 1e-12  # of the largest compliance of a place: along what holds it there is none
 _RANK = 1e-9  # of the first pivot
 
@@ -112,38 +109,9 @@ def fit(
     p = np.asarray(point, dtype=np.float64)
     group = np.asarray(nodes, dtype=np.int64)
     w = np.asarray(weights, dtype=np.float64)
-    x = model.nodes[group]
-    total = float(w.sum())
-    centre = w @ x / total
-    arms = x - centre
-    second = (arms * w[:, None]).T @ arms
-    inertia = np.trace(second) * np.eye(3) - second
-    moments_of_inertia = np.linalg.eigvalsh(inertia)
-    turning = np.zeros(len(group))
-    if moments_of_inertia[0] <= _THIN * moments_of_inertia[-1]:
-        turns = np.isin(group, model.rotating)
-        if not turns.any():
-            what = (
-                "one node without rotations"
-                if len(group) == 1
-                else f"{len(group)} nodes without rotations on one line"
-            )
-            raise InputError(
-                f"its group is {what}",
-                source=source,
-                key=key,
-                expected="three nodes or more that are not on one line (a node of a solid has no rotation)",
-            )
-        length = float(np.linalg.norm(np.ptp(x, axis=0))) or 1.0
-        turning = np.where(turns, w * length**2, 0.0)
-        inertia = inertia + turning.sum() * np.eye(3)
-    arm = p - centre
-    # columns: the moment about the centre of each of the six loads
-    about_centre = np.hstack([np.cross(arm, np.eye(3)).T, np.eye(3)])
-    rates = np.linalg.solve(inertia, about_centre)  # (3, 6)
-    forces = w[:, None, None] * np.cross(rates.T[None], arms[:, None]).transpose(0, 2, 1)
-    forces[:, :, :3] += w[:, None, None] * np.eye(3) / total
-    return Fit(p, group, forces, turning[:, None, None] * rates)
+    turns = np.isin(group, model.rotating)
+    forces, moments = mean_motion(p, model.nodes[group], w, turns, source=source, key=key)
+    return Fit(p, group, forces, moments)
 
 
 def place_fit(model: FEModel, point: ArrayLike, *, source: object = "interface", key: str = "point") -> Fit:
@@ -259,10 +227,11 @@ def refuse_coincident(fits: Mapping[str, Fit], size: float) -> None:
 
 
 def group_weights(model: FEModel, nodes: NDArray[np.int64]) -> NDArray[np.float64]:
-    """Tributary measure of the nodes of a group: its share of area, else of length, else of volume, else equal.
+    """Tributary measure of the nodes of a group: its share of area or length, or equal shares.
 
-    Area is that of plates and of outer faces of solids whose nodes are all in the group, length that of edges with both
-    ends in it; the first of these that reaches all nodes counts.
+    Area is that of plates and of outer faces of solids: of those whose nodes are all in the group if they reach all of
+    its nodes, else, of a group with a ragged border, of all around them. Where no face is in the group, as on a line of
+    plating, length is that of edges with both ends in it, if they reach all of its nodes.
 
     Returns
     -------
@@ -271,13 +240,15 @@ def group_weights(model: FEModel, nodes: NDArray[np.int64]) -> NDArray[np.float6
     """
     inside = np.zeros(model.node_count, dtype=bool)
     inside[nodes] = True
-    for parts in (_faces(model), _edges(model)):
+    faces, edges = _faces(model), _edges(model)
+    whole = [part[inside[part].all(axis=1)] for part in faces]
+    chosen = [whole, faces] if any(len(part) for part in whole) else []
+    for parts in (*chosen, [part[inside[part].all(axis=1)] for part in edges]):
         shares = np.zeros(model.node_count)
         reached = np.zeros(model.node_count, dtype=bool)
         for part in parts:
-            chosen = part[inside[part].all(axis=1)]
-            reached[chosen] = True
-            for column, values in zip(chosen.T, _measures(model.nodes, chosen).T, strict=True):
+            reached[part] = True
+            for column, values in zip(part.T, _measures(model.nodes, part).T, strict=True):
                 np.add.at(shares, column, values)
         if reached[nodes].all() and shares[nodes].sum() > 0.0:
             return shares[nodes] / shares[nodes].sum()

@@ -336,6 +336,8 @@ class ReducedBody:
             If there is no such interface, or the point is not of the body.
         """
         found = self._found(place, source, key, origin)
+        if not self.continuum or not self.mode_count:
+            return PlaceMotion(*self._displaced(found), None)
         rotation = found.rotation if isinstance(found, Interface) else self.turn_at(*found)
         return PlaceMotion(*self._displaced(found), rotation if self.turns(rotation) else None)
 
@@ -378,6 +380,14 @@ class ReducedBody:
             return np.zeros((self.mode_count, 3))
         return np.einsum("akl,mal->mk", turning, self.mode_shapes[:, around])
 
+    def lies_on_a_line(self, place: ArrayLike) -> bool:
+        """Whether the nodes that make the rotation of a place [m] do; not of elements, nor at interfaces."""
+        if not self.continuum or self.elements is not None or self.interface_at(place) is not None:
+            return False
+        nodes, weights = self.locate(place)
+        around, _ = place_rotation(self.nodes, None, nodes, weights @ self.nodes[nodes])
+        return bool(np.linalg.matrix_rank(_centred(self.nodes[around]), tol=1e-6 * self.size) < 2)
+
     def turns(self, rotation: NDArray[np.float64], direction: ArrayLike | None = None) -> bool:
         """Whether modes turn a place, or a unit direction there, by more than a thousandth of what they would at most.
 
@@ -401,7 +411,7 @@ class ReducedBody:
     def _stands(self, nodes: NDArray[np.int64]) -> NDArray[np.bool_]:
         """Whether no mode moves some nodes, shape (m,)."""
         found: NDArray[np.bool_] = (
-            np.abs(self.mode_shapes[:, nodes]).max(axis=(0, 2)) <= _STILL * self._largest
+            np.abs(self.mode_shapes[:, nodes]).max(axis=(0, 2), initial=0.0) <= _STILL * self._largest
         )
         return found
 

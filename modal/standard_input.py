@@ -10,6 +10,9 @@ acceleration a and angular velocity w of its frame, in axes of the frame (``~`` 
     Ct a + Cr w' + Me q'' + (sum_k Ge_k q'_k) w + Oe W + Ke q + De q' = modal forces
 
     W = (w1^2, w2^2, w3^2, w1 w2, w2 w3, w1 w3)
+
+Geometric stiffness is part of these series: that of the inertia of accelerations in Ct and Cr, that of spin in Oe, and
+that of forces and moments at a place in its phi and psi, with which they act on the modes.
 """
 
 from __future__ import annotations
@@ -18,10 +21,13 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from heavylift.modal.interfaces import DIRECTIONS
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from heavylift.modal.reduced import ReducedBody
+    from heavylift.modal.stiffening import Stiffening
 
 __all__ = ["DIAGONAL", "FULL", "SYMMETRIC", "NodeData", "Series", "StandardInput", "standard_input"]
 
@@ -60,7 +66,7 @@ class NodeData(NamedTuple):
     origin
         Position [m], shape (3, 1) with its derivatives.
     phi, psi
-        Displacement and rotation by modal coordinates, shape (3, nf).
+        Displacement and rotation by modal coordinates, shape (3, nf), with their derivatives.
     orientation
         Axes of the place in those of the frame, columns, shape (3, 3) with their derivatives.
     """
@@ -81,6 +87,8 @@ class StandardInput(NamedTuple):
         [kg].
     frequencies
         Of the vectors [Hz], shape (nf,).
+    geometric
+        Whether geometric stiffness is part of it.
     nodes
         Places.
     mdCM, J, Ct, Cr, Me, Gr, Ge, Oe, Ke, De
@@ -89,6 +97,7 @@ class StandardInput(NamedTuple):
 
     mass: float
     frequencies: NDArray[np.float64]
+    geometric: bool
     nodes: tuple[NodeData, ...]
     mdCM: Series  # noqa: N815
     J: Series
@@ -133,19 +142,22 @@ def standard_input(body: ReducedBody, damping_ratio: NDArray[np.float64]) -> Sta
     modal_products = np.stack(
         [_product(modal, a, b) for a, b in _SQUARES], axis=2
     )  # (j of the position, i of the row, 6)
+    centrifugal = modal_products.transpose(1, 0, 2)
     omega = np.sqrt(np.maximum(body.eigenvalues, 0.0))
+    linear, angular, spin = _geometric(body.stiffening, nf)
     return StandardInput(
         mass=integrals.mass,
         frequencies=body.frequencies,
+        geometric=body.stiffening is not None,
         nodes=_nodes(body),
         mdCM=Series(integrals.first_moment[:, None], integrals.modal_translation[:, :, None]),
         J=Series(np.trace(second) * unit - second, J1, SYMMETRIC),
-        Ct=Series(integrals.modal_translation.T.copy()),
-        Cr=Series(np.einsum("ckl,kli->ic", levi, first), cross),
+        Ct=Series(integrals.modal_translation.T.copy(), linear),
+        Cr=Series(np.einsum("ckl,kli->ic", levi, first), cross if angular is None else cross + angular),
         Me=Series(np.eye(nf), None, SYMMETRIC),
         Gr=Series(gyroscopic.transpose(1, 0, 2).reshape(3, 3 * nf)),
         Ge=Series(2.0 * cross.reshape(nf, 3 * nf)),
-        Oe=Series(products, modal_products.transpose(1, 0, 2)),
+        Oe=Series(products, centrifugal if spin is None else centrifugal + spin),
         Ke=Series(np.diag(body.eigenvalues), None, SYMMETRIC),
         De=Series(np.diag(2.0 * damping_ratio * omega), None, SYMMETRIC),
     )
@@ -163,11 +175,25 @@ def _product(moments: NDArray[np.float64], a: int, b: int) -> NDArray[np.float64
     return moments[a, a] - np.einsum("kk...->...", moments)
 
 
+def _geometric(stiffening: Stiffening | None, count: int) -> tuple[NDArray[np.float64] | None, ...]:
+    """Stiffness by accelerations, angular accelerations and products of angular velocities, arrays (nf, nf, c)."""
+    if stiffening is None:
+        return None, None, None
+    spin = np.empty((count, count, 6))
+    for column, (a, b) in enumerate(_SQUARES):
+        w = np.eye(3)[a] + (np.eye(3)[b] if a != b else 0.0)
+        spin[:, :, column] = stiffening.of_spin(w)
+        if a != b:  # of the product alone
+            spin[:, :, column] -= stiffening.of_spin(np.eye(3)[a]) + stiffening.of_spin(np.eye(3)[b])
+    return stiffening.linear.transpose(1, 2, 0), stiffening.angular.transpose(1, 2, 0), spin
+
+
 def _nodes(body: ReducedBody) -> tuple[NodeData, ...]:
     """Interfaces; all nodes of a body without any."""
     if body.interfaces:
         return tuple(
-            _node(name, one.point, one.displacement, one.rotation) for name, one in body.interfaces.items()
+            _node(name, one.point, one.displacement, one.rotation, _of_loads(body.stiffening, name))
+            for name, one in body.interfaces.items()
         )
     rotations = body.mode_rotations
     return tuple(
@@ -181,15 +207,31 @@ def _nodes(body: ReducedBody) -> tuple[NodeData, ...]:
     )
 
 
+def _of_loads(stiffening: Stiffening | None, name: str) -> NDArray[np.float64] | None:
+    """What a place gets of its displacements by modal coordinates, so that its loads stiffen the body: (6, nf, nf)."""
+    if stiffening is None:
+        return None
+    found = np.zeros((6, *stiffening.linear.shape[1:]))
+    for label, stiffness in zip(stiffening.labels, stiffening.loads, strict=True):
+        for direction, word in enumerate(DIRECTIONS):
+            if label == f"{name} {word}":
+                found[direction] = -stiffness
+    return found
+
+
 def _node(
-    name: str, point: NDArray[np.float64], moved: NDArray[np.float64], turned: NDArray[np.float64]
+    name: str,
+    point: NDArray[np.float64],
+    moved: NDArray[np.float64],
+    turned: NDArray[np.float64],
+    rates: NDArray[np.float64] | None = None,
 ) -> NodeData:
     """A place from its position, and its displacement and rotation by modal coordinates, shape (nf, 3)."""
     turning = np.cross(turned[:, None], np.eye(3)).transpose(2, 0, 1)  # column c: theta x e_c
     return NodeData(
         name,
         Series(point[:, None], moved.T[:, :, None]),
-        Series(moved.T.copy()),
-        Series(turned.T.copy()),
+        Series(moved.T.copy(), None if rates is None else rates[:3]),
+        Series(turned.T.copy(), None if rates is None else rates[3:]),
         Series(np.eye(3), turning),
     )

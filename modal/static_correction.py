@@ -38,12 +38,15 @@ class StaticCorrection:
         Numbers of the loads that have some, shape (k,).
     shapes
         Displacements and rotations by unit load, shape (N, k).
+    energy
+        Strain energy of each of these shapes [J by the square of the unit], shape (k,).
     missing
         Share of the strain energy of each load, of all that were asked for, that the modes do not have, shape (loads,).
     """
 
     loads: NDArray[np.int64]
     shapes: NDArray[np.float64]
+    energy: NDArray[np.float64]
     missing: NDArray[np.float64]
 
 
@@ -79,7 +82,7 @@ def static_correction(
     left = np.einsum("ij,ij->j", rest, flexibility.model.stiffness @ rest)
     missing = np.divide(left, energy, out=np.zeros_like(left), where=energy > 0.0)
     chosen = np.flatnonzero(missing > _FOLLOWED)
-    return StaticCorrection(chosen, rest[:, chosen], np.maximum(missing, 0.0))
+    return StaticCorrection(chosen, rest[:, chosen], 0.5 * left[chosen], np.maximum(missing, 0.0))
 
 
 def inertia_fields(

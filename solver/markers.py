@@ -34,6 +34,8 @@ class BodyMarkers:
         Material point [m] at which a direction is taken: bodies that deform at will have no other.
     slopes
         Vector of the nodes of a frame or shell that is meant, in place of a direction; 0 for none.
+    turning
+        Whether a direction turns with its place, or with the frame of the body, if it has one.
     """
 
     numbers: tuple[int, ...] = ()
@@ -42,6 +44,7 @@ class BodyMarkers:
     levels: tuple[int, ...] = ()
     places: tuple[NDArray[np.float64], ...] = ()
     slopes: tuple[int, ...] = ()
+    turning: tuple[bool, ...] = ()
 
 
 @dataclass
@@ -58,8 +61,8 @@ class MarkerBook:
 
     count: int = 0
     fixed: list[tuple[int, NDArray[np.float64]]] = field(default_factory=list)
-    _bodies: dict[str, list[tuple[int, NDArray[np.float64], bool, int, NDArray[np.float64], int]]] = field(
-        default_factory=dict
+    _bodies: dict[str, list[tuple[int, NDArray[np.float64], bool, int, NDArray[np.float64], int, bool]]] = (
+        field(default_factory=dict)
     )
 
     def point(self, body: str, point: NDArray[np.float64], level: int = ROWS) -> int:
@@ -73,9 +76,13 @@ class MarkerBook:
         level: int = ROWS,
         *,
         at: NDArray[np.float64],
+        turning: bool = True,
     ) -> int:
-        """Number of a new unit direction at a material point [m], in the frame of the body or in the world."""
-        return self._add(body, direction, True, level, at)
+        """Number of a new unit direction at a material point [m], in the frame of the body or in the world.
+
+        Of vehicles, whose axes are those of the frame, it is not `turning` with the place.
+        """
+        return self._add(body, direction, True, level, at, turning=turning)
 
     def slope(self, body: str, vector: int, level: int = ROWS, *, at: NDArray[np.float64]) -> int:
         """Number of a new slope of a frame or shell at a material point [m]: vector 1, 2 ... of its nodes."""
@@ -89,13 +96,14 @@ class MarkerBook:
         level: int,
         at: NDArray[np.float64],
         slope: int = 0,
+        turning: bool = True,
     ) -> int:
         number, entry = self.count, np.array(given, dtype=np.float64)
         if body == GROUND:
             self.fixed.append((number, entry))
         else:
             place = np.array(at, dtype=np.float64)
-            self._bodies.setdefault(body, []).append((number, entry, direction, level, place, slope))
+            self._bodies.setdefault(body, []).append((number, entry, direction, level, place, slope, turning))
         self.count += 1
         return number
 
@@ -166,11 +174,12 @@ def pack_markers(
     for row, (body, data_of) in enumerate(zip(markers, point_data, strict=True)):
         levels = body.levels or (FORCES,) * len(body.numbers)
         places = body.places or body.vectors
-        for number, vector, direction, level, place in zip(
-            body.numbers, body.vectors, body.directions, levels, places, strict=True
+        turning = body.turning or body.directions
+        for number, vector, direction, level, place, turns in zip(
+            body.numbers, body.vectors, body.directions, levels, places, turning, strict=True
         ):
             block = np.asarray(vector, dtype=np.float64) if direction else data_of(vector)
-            if direction and direction_data:
+            if direction and turns and direction_data:
                 block = direction_data[row](vector, place)
             turned = direction and len(block) > 3
             rows.append(

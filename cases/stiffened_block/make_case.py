@@ -1,21 +1,22 @@
-"""Writes block.step and case.toml: surfaces of a double bottom, and moves of hooks and trolley that turn it by 90 degrees.
+"""Writes block.step and case.toml: surfaces of a double bottom, moves of hooks and trolley that turn it by 90 degrees.
 
     python make_case.py
 
-Lugs A and B in the frame of the block, at (x, z) from its centre of mass. With the angle th by which A rises, their distances
-from the centre along and above are
+Lugs A and B in the frame of the block, at (x, z) from its centre of mass. With the angle th by which A rises, their
+distances from the centre along and above are
 
     X = x cos th - z sin th,        Z = x sin th + z cos th
 
 Falls hang vertically where the trolleys stand X_A and X_B from the centre, so in equilibrium hooks A carry the share
--X_B/(X_A - X_B) of the weight. The hooks go from one angle to the next in equal times, trolley and hooks by moves of equal
-ramps: on chords of the arcs between. Hooks A rise by what both pairs of ropes stretch besides, as load goes from B to A.
+-X_B/(X_A - X_B) of the weight. Hooks and trolley go from one angle to the next in equal times with equal ramps, on
+chords of the arcs between. Hooks A rise by what both pairs of ropes stretch besides, as load goes from B to A.
 """
 
 from __future__ import annotations
 
 from pathlib import Path
 
+import gmsh
 import numpy as np
 
 HERE = Path(__file__).resolve().parent
@@ -63,13 +64,12 @@ def moves() -> tuple[list[str], list[str]]:
     hooks, trolley = [], []
     for k in range(STAGES):
         ends = [0.5 * np.pi * (k + i) / STAGES for i in (0, 1)]
-        a, b = (np.array(turned(th)) + [0.0, stretch(th)] for th in ends)
+        a, b = (np.add(turned(th), (0.0, stretch(th))) for th in ends)
         start = FIRST + k * (STAGE + HOLD)
         for rows, way in ((hooks, b[1] - a[1]), (trolley, b[0] - a[0])):
             speed = abs(way) / (STAGE - RAMP)
-            rows.append(
-                f'{{ start = "{start:g} s", distance = "{way:.6f} m", speed = "{speed:.6f} m/s", ramp = "{RAMP:g} s" }}'
-            )
+            places = f'start = "{start:g} s", distance = "{way:.6f} m"'
+            rows.append(f'{{ {places}, speed = "{speed:.6f} m/s", ramp = "{RAMP:g} s" }}')
     return hooks, trolley
 
 
@@ -170,8 +170,6 @@ lines = [{{ body = "block", point = "b_{2 * i - 1}" }}, {{ body = "block", point
 
 def write_step() -> None:
     """The surfaces of the plates, in mm."""
-    import gmsh
-
     gmsh.initialize(readConfigFiles=False)
     gmsh.option.setNumber("General.Terminal", 0)
     occ = gmsh.model.occ

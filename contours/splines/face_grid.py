@@ -12,7 +12,7 @@ from heavylift.numerics.outcome import InputError
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-__all__ = ["TOLERANCE", "circle_nodes", "face_grid", "line_nodes", "plane_nodes"]
+__all__ = ["TOLERANCE", "circle_nodes", "face_grid", "face_normal", "line_nodes", "plane_nodes"]
 
 TOLERANCE = 1e-6
 """Relative to the size of the body: coordinates of printed meshes have seven digits."""
@@ -180,6 +180,19 @@ def face_grid(
             best = (taken / places, row, column)
     assert best is not None
     raise _no_grid(members, best[1], best[2], source)
+
+
+def face_normal(
+    nodes: NDArray[np.float64], members: NDArray[np.int64], *, source: str = "contour"
+) -> NDArray[np.float64]:
+    """Unit normal of the mean plane of a face, out of the material, shape (3,); errors as `face_grid`."""
+    flat = nodes[members]
+    _, extent, axes = np.linalg.svd(flat - flat.mean(axis=0), full_matrices=False)
+    if len(members) < 4 or extent[1] <= _tolerance(nodes, None):
+        raise InputError(
+            f"{len(members)} nodes, or all on a line", source=source, expected="a face with an area"
+        )
+    return _outward(nodes, members, axes[2], None, source)
 
 
 def _outward(

@@ -154,18 +154,10 @@ def _reported(case: Case, name: str) -> Iterator[None]:
         raise InputError(problem, source=case.file, key=place, expected=error.expected) from None
 
 
-def _of_tetrahedra(case: Case, section: SurfaceContourSection, count: int) -> InputError | None:
-    """The error on a face that has no rows and columns, if its body is meshed with tetrahedra."""
+def _unstructured(case: Case, section: SurfaceContourSection) -> bool:
+    """Whether the nodes of a face lie in no rows: those of tetrahedra."""
     body: Any = case.bodies[section.body]
-    if body.geometry.type not in {"blocks", "step"} or body.mesh.element != "tet10":
-        return None
-    blocks = "mesh.element = 'hex8' of the body, " if body.geometry.type == "blocks" else ""
-    return InputError(
-        f"a contour passes through rows and columns of nodes, and the {count} nodes of this face belong to tetrahedra",
-        key="face",
-        expected=f"bricks: {blocks}geometry 'blocks', or a file with bricks; or 'nodes', a matrix of "
-        "nodes that lie in rows; or a body of type 'shell', which has a contour by itself",
-    )
+    return body.geometry.type in {"blocks", "step"} and bool(body.mesh.element == "tet10")
 
 
 def _source(section: Contour) -> str:
@@ -210,6 +202,12 @@ def _fitted_to_nodes(
     reduced = body.reduced
     # points in the case and in messages are in the coordinates of the geometry
     picked = contour_nodes(case, name, reduced.nodes + origin, folder)
+    if isinstance(section, SurfaceContourSection) and picked.ndim == 1:
+        from heavylift.contours.splines.face_fit import fitted_surface
+
+        return fitted_surface(
+            reduced.nodes, picked, reduced.mode_shapes, degrees=section.degree, source=name
+        ).contour
     return _fit(name, section, reduced.nodes[picked], reduced.mode_shapes[:, picked])
 
 
@@ -230,7 +228,8 @@ def contour_nodes(
     Returns
     -------
     NDArray
-        Indices from 0, shape (k,) of a curve, (a, b) of a surface.
+        Indices from 0, shape (k,) of a curve, (a, b) of a surface through rows and columns, (k,) of one that is fitted
+        to the nodes of an unstructured face.
 
     Raises
     ------
@@ -254,10 +253,7 @@ def _picked_nodes(
             return read_node_matrix(case.folder / section.nodes, len(nodes))
         assert section.face is not None
         members = _members(name, section.face, section.body, nodes, folder)
-        try:
-            return face_grid(nodes, members, source=name)
-        except InputError as error:
-            raise _of_tetrahedra(case, section, len(members)) or error from None
+        return members if _unstructured(case, section) else face_grid(nodes, members, source=name)
     if section.nodes is not None:
         return read_node_row(case.folder / section.nodes, len(nodes))
     if section.circle is not None:

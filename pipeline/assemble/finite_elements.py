@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from heavylift.preprocess.finite_elements.deck import Deck
     from heavylift.preprocess.finite_elements.exchange import FourFileData
     from heavylift.preprocess.finite_elements.groups import NodeSelector
+    from heavylift.preprocess.finite_elements.material import Material
     from heavylift.preprocess.finite_elements.mesh import Mesh
     from heavylift.preprocess.finite_elements.model import FEModel
     from heavylift.preprocess.structures.structure import Structure
@@ -128,31 +129,27 @@ def _structure_of_deck(
     """Plates, beams, solids, masses and rigid elements of a mesh file, with what the case gives by group."""
     from dataclasses import replace
 
+    from heavylift.pipeline.assemble.panels import part_material
     from heavylift.preprocess.finite_elements.deck_structure import (
         BeamProperty,
         PlateProperty,
         structure_of,
     )
     from heavylift.preprocess.finite_elements.groups import select_nodes
-    from heavylift.preprocess.finite_elements.model import Material
     from heavylift.preprocess.structures.assemble import assemble_structure
     from heavylift.preprocess.structures.sections import profile
 
+    if "formulation" in body.mesh.model_fields_set:
+        raise InputError(
+            f"{body.mesh.formulation!r} with plates, beams, masses or rigid elements in the file",
+            source=name,
+            key="mesh.formulation",
+            expected="no formulation: it is for bodies of solids alone",
+        )
     of_body = body.material.given() if body.material else {}
 
     def material(own: MaterialSection | None, key: str) -> Material | None:
-        if own is None:
-            return None
-        given = {**of_body, **own.given()}
-        missing = [word for word in ("young_modulus", "poisson_ratio", "density") if word not in given]
-        if missing:
-            raise InputError(
-                f"no {missing[0]!r}",
-                source=name,
-                key=f"{key}.material",
-                expected="young_modulus, poisson_ratio and density",
-            )
-        return Material(**given)
+        return None if own is None else part_material(body, own, name, f"{key}.material")
 
     plates = {
         key: PlateProperty(
@@ -164,8 +161,7 @@ def _structure_of_deck(
     for key, beam in body.stiffeners.items():
         section, offset = None, None
         if beam.section is not None:
-            measures = {k: v for k, v in beam.section.model_dump().items() if v is not None and k != "shape"}
-            section, centroid = profile(beam.section.shape, **measures)
+            section, centroid = profile(beam.section.shape, **beam.section.measures())
             offset = (0.0, 0.0)
             if beam.foot is not None:
                 # the plate keeps it from turning aside
@@ -251,6 +247,10 @@ def in_body(case: Case, name: str, model_name: str = "") -> Iterator[None]:
         else:
             problem = f"{error.key}: {problem}" if error.key else problem
         key = f"modes.{key}" if key == "interface" else key
+        if case.bodies[name].geometry.type == "panels" and error.key.startswith(
+            ("plates.", "stiffeners.", "lugs.")
+        ):
+            problem, key = error.problem, f"geometry.{error.key}"
         raise InputError(
             problem,
             source=case.file,
@@ -361,8 +361,11 @@ def _parts(structure: Structure) -> dict[str, str | int]:
         ("beams", structure.beams),
         ("solids", structure.solids),
     ):
-        if parts:
-            found[word] = ", ".join(f"{part.name} {len(part.elements)}" for part in parts)
+        counts: dict[str, int] = {}
+        for part in parts:
+            counts[part.name] = counts.get(part.name, 0) + len(part.elements)
+        if counts:
+            found[word] = ", ".join(f"{name} {count}" for name, count in counts.items())
     for word, others in (
         ("masses", structure.masses),
         ("rigid links", structure.links),

@@ -10,6 +10,7 @@ import numpy as np
 
 from heavylift.numerics.outcome import InputError
 from heavylift.pipeline.assemble.frames import motion_of, start_of_frame
+from heavylift.pipeline.case.interfaces import holding_joints
 from heavylift.pipeline.results.model_io import read_header, read_reduced
 from heavylift.solver.scene import scene as s
 from heavylift.solver.scene.bodies import Body
@@ -125,10 +126,11 @@ class StartedBody(Body):
 
 
 def start_body(
-    _case: Case, name: str, body: FlexibleBodySection
+    case: Case, name: str, body: FlexibleBodySection
 ) -> tuple[StartedBody, NDArray[np.float64]] | None:
     """Where it is at the start, and the origin of its frame; None if that is known with its mesh only."""
-    _check_numbers_of_modes(body)
+    if not holding_joints(case.joints, name):
+        _check_numbers_of_modes(body)
     computed = getattr(body.frame, "origin", "geometry") == "centre_of_mass"
     if computed and (body.initial.position is not None or body.initial.orientation is not None):
         return None
@@ -139,7 +141,7 @@ def start_body(
 
 def _check_numbers_of_modes(body: FlexibleBodySection) -> None:
     """Damping and initial motion of modes have no more entries than the basis has vectors."""
-    count = body.modes.vector_count
+    count = body.vector_count
     if count is None:
         return
     if len(body.modes.damping_ratio) not in {1, count}:

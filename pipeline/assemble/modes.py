@@ -12,6 +12,7 @@ from heavylift.modal.stiffening import HERE
 from heavylift.numerics.outcome import InputError
 from heavylift.pipeline.assemble.finite_elements import four_files, in_body
 from heavylift.pipeline.assemble.interfaces import arm_notes, held_places, interface_fits
+from heavylift.pipeline.case.places import located
 from heavylift.preprocess.finite_elements.groups import RELATIVE_TOLERANCE
 
 if TYPE_CHECKING:
@@ -75,7 +76,8 @@ def held_directions(model: FEModel, supports: Sequence[BodySupportSection]) -> N
     Raises
     ------
     InputError
-        A group that does not exist, a support without a node, a body on both sides of its plane of symmetry.
+        A group that does not exist, a support without a node, a body on both sides of its plane of symmetry, rotations
+        of nodes that have none.
     """
     held = [np.empty(0, dtype=np.int64)]
     for index, support in enumerate(supports):
@@ -94,11 +96,22 @@ def held_directions(model: FEModel, supports: Sequence[BodySupportSection]) -> N
                     expected="half of a body, which ends at its plane of symmetry, or 'on' a group and 'fixed'; it "
                     f"spans {low:.6g} to {high:.6g} m",
                 )
-            held.append(3 * nodes + axis)
+            turning = model.rotation_dofs[nodes]
+            held += [
+                3 * nodes + axis,
+                *(turning[turning >= 0] + other for other in range(3) if other != axis),
+            ]
         else:
-            assert support.fixed is not None
             nodes = _place_nodes(model, support, key)
-            held += [3 * nodes + "xyz".index(axis) for axis in support.fixed]
+            held += [3 * nodes + "xyz".index(axis) for axis in support.fixed or ""]
+            turning = model.rotation_dofs[nodes]
+            if support.rotations is not None and not (turning >= 0).any():
+                raise InputError(
+                    f"rotations of {len(nodes)} node(s) that have none",
+                    key=f"{key}.rotations",
+                    expected="nodes of plates or beams",
+                )
+            held += [turning[turning >= 0] + "xyz".index(axis) for axis in support.rotations or ""]
     return np.unique(np.concatenate(held))
 
 
@@ -117,8 +130,8 @@ def _place_nodes(
 def _static_states(flexibility: Flexibility, body: FlexibleBodySection) -> list[StaticState]:
     """Equilibrium under each static load case of a body, with the buckling factors that are asked for."""
     from heavylift.modal.buckling import buckling
-    from heavylift.modal.load_stiffness import stress_stiffness
     from heavylift.modal.statics import solve_static
+    from heavylift.modal.stress_stiffness import stress_stiffness
 
     model, cases = flexibility.model, body.static
     asked = [index for index, one in enumerate(cases) if one.buckling]
@@ -152,6 +165,7 @@ def _nodal_forces(model: FEModel, load: StaticLoadSection, key: str) -> NDArray[
     """Nodal forces of a load [N, N m], node-major, shape (N,)."""
     from heavylift.modal.contact_vectors import outer_faces
     from heavylift.modal.flexibility import apply_mass
+    from heavylift.modal.interfaces import group_weights
     from heavylift.modal.statics import face_area, face_forces
 
     if load.acceleration is not None:
@@ -159,13 +173,29 @@ def _nodal_forces(model: FEModel, load: StaticLoadSection, key: str) -> NDArray[
         field[: 3 * model.node_count] = np.tile(load.acceleration, model.node_count)
         return apply_mass(model.mass, field)
     nodes = _place_nodes(model, load, key)
+    if load.moment is not None:
+        turning = nodes[model.rotation_dofs[nodes] >= 0]
+        if not len(turning):
+            raise InputError(
+                f"a moment on {len(nodes)} node(s) without rotations",
+                key=key,
+                expected="nodes of plates or beams; forces of a couple on solids",
+            )
+        moments = np.zeros(model.dof_count)
+        shares = group_weights(model, turning)[:, np.newaxis] * np.asarray(load.moment)
+        moments[model.rotation_dofs[turning][:, np.newaxis] + np.arange(3)] = shares
+        return moments
     try:
         faces = outer_faces(model, nodes, name=key)
     except InputError:
         if load.force is None:
             raise
         forces = np.zeros(model.dof_count)
-        forces[: 3 * model.node_count].reshape(-1, 3)[nodes] = np.asarray(load.force) / len(nodes)
+        at_nodes = forces[: 3 * model.node_count].reshape(-1, 3)
+        if model.structure is None:
+            at_nodes[nodes] = np.asarray(load.force) / len(nodes)
+        else:
+            at_nodes[nodes] = group_weights(model, nodes)[:, np.newaxis] * np.asarray(load.force)
         return forces
     if load.pressure is not None:
         return face_forces(model, faces, pressure=load.pressure)
@@ -244,9 +274,7 @@ def _reduce(
     exact = {}
     for one, found in fits.items():
         assert flexibility is not None
-        loads = interfaces.attachment_loads(model, found, one)
-        vectors = bases.static_vectors(flexibility, loads)
-        exact[one] = np.sum(loads.forces * vectors.vectors, axis=0)
+        vectors, exact[one] = _attachment_modes(flexibility, interfaces.attachment_loads(model, found, one))
         if options.basis != "craig_bampton" or options.interface:
             basis += vectors
     joined = {}
@@ -254,7 +282,8 @@ def _reduce(
         joined = held_places(case, name, body, elastic, origin, fits.values())
     for one, found in joined.items():
         flexibility = flexibility or Flexibility(model, clamped)
-        basis += _felt(flexibility, interfaces.attachment_loads(model, found, f"joint {one}"))
+        loads = interfaces.attachment_loads(model, found, f"joint {one}")
+        basis += _attachment_modes(flexibility, loads)[0]
     reduced = reduce_body(
         model,
         basis.vectors,
@@ -272,23 +301,49 @@ def _reduce(
         assert flexibility is not None
         states = _static_states(flexibility, body)
     start = (float(origin[0]), float(origin[1]), float(origin[2]))
-    notes = [*arm_notes(elastic, fits), *([_held_note(joined)] if joined else [])]
+    notes = [
+        *_ended_by_count(options, basis.labels),
+        *arm_notes(elastic, fits),
+        *([_held_note(joined, model)] if joined else []),
+    ]
     return Reduction(reduced, start, states, notes)
 
 
-def _felt(flexibility: Flexibility, loads: Loads) -> Basis:
-    """Deflections under those loads of a place that are not borne by what is held there."""
+def _attachment_modes(flexibility: Flexibility, loads: Loads) -> tuple[Basis, NDArray[np.float64]]:
+    """Deflections under loads of a place, and its compliance along them; loads that supports bear make none."""
     from heavylift.modal import bases
 
     felt = flexibility.dofs.gathered(loads.forces)[flexibility.unknowns]
     chosen = np.abs(felt).max(axis=0, initial=0.0) > _BORNE * np.abs(loads.forces).max(axis=0)
-    labels = tuple(label for label, one in zip(loads.labels, chosen, strict=True) if one)
-    return bases.static_vectors(flexibility, bases.Loads(loads.forces[:, chosen], labels))
+    vectors = bases.static_vectors(flexibility, loads)
+    compliance = np.sum(loads.forces * vectors.vectors, axis=0)
+    labels = tuple(label for label, one in zip(vectors.labels, chosen, strict=True) if one)
+    return bases.Basis(vectors.vectors[:, chosen], labels), compliance
 
 
-def _held_note(joined: Mapping[str, Fit]) -> str:
+def _ended_by_count(options: ModesSection, labels: Sequence[str]) -> list[str]:
+    """Sentence if the number of eigenmodes ended before their frequency did."""
+    if options.up_to is None or not options.count:
+        return []
+    word = "fixed-interface mode" if options.basis == "craig_bampton" else "eigenmode"
+    found = sum(label.startswith(word) for label in labels)
+    if found < options.count:
+        return []
+    return [
+        f"WARNING: count = {options.count} ends before up_to = {options.up_to:.6g} Hz: there may be more modes"
+    ]
+
+
+def _held_note(joined: Mapping[str, Fit], model: FEModel) -> str:
+    """Sentence on places that joints hold; a point of a plate gets softer with each finer mesh."""
     names = ", ".join(repr(one) for one in joined)
-    return f"attachment modes for forces and moments of joints that hold its directions: {names}"
+    words = f"attachment modes for forces and moments of joints that hold its directions: {names}"
+    if model.structure is None or not model.structure.shells:
+        return words
+    return (
+        f"{words}; a plate that is held at a point gets softer with each finer mesh: an interface over a bracket or a "
+        "line of plating does not"
+    )
 
 
 def _stiffened(
@@ -304,7 +359,7 @@ def _stiffened(
     from heavylift.modal.bases import Loads, place_loads
     from heavylift.modal.flexibility import Flexibility
     from heavylift.modal.interfaces import attachment_loads
-    from heavylift.modal.load_stiffness import inertia_stiffening, stress_stiffness, with_loads
+    from heavylift.modal.stress_stiffness import inertia_stiffening, stress_stiffness, with_loads
 
     free = body.frame.motion == "free"
     if free and (model.fixed_nodes.size or model.fixed_dofs.size):
@@ -462,6 +517,14 @@ def contour_loads(
         if contour.body != body:
             continue
         nodes = contour_nodes(case, name, model.nodes, folder)
+        if nodes.ndim == 1 and isinstance(contour, SurfaceContourSection):
+            with located(case, f"contours.{name}"):
+                loads.append(
+                    _loads_of_fit(
+                        model, nodes, contour.degree, directions or NORMAL, np.asarray(fixed_nodes), name
+                    )
+                )
+            continue
         chosen = directions or (NORMAL if nodes.ndim == 2 else "xyz")
         normals = None
         if chosen == NORMAL and isinstance(contour, SurfaceContourSection):
@@ -482,13 +545,44 @@ def contour_loads(
     return loads
 
 
+def _loads_of_fit(
+    model: FEModel,
+    nodes: NDArray[np.int64],
+    degrees: tuple[int, int],
+    directions: str,
+    fixed_nodes: Sequence[int] | NDArray[Any],
+    name: str,
+) -> Loads:
+    """Unit forces on each control point of a surface that is fitted to nodes of a face, on the free ones of these."""
+    from heavylift.contours.splines.face_fit import fitted_surface
+    from heavylift.modal.bases import Loads
+    from heavylift.modal.contact_vectors import NORMAL
+
+    fit = fitted_surface(model.nodes, nodes, np.zeros((0, *model.nodes.shape)), degrees=degrees, source=name)
+    axes = (
+        fit.normal[np.newaxis]
+        if directions == NORMAL
+        else np.eye(3)[["xyz".index(axis) for axis in directions]]
+    )
+    free = ~np.isin(nodes, np.union1d(fixed_nodes, model.fixed_nodes))
+    forces = np.zeros((model.dof_count, len(axes), len(fit.shares)))
+    for k in range(3):
+        forces[3 * nodes[free] + k] = axes[:, k][:, np.newaxis] * fit.shares[:, free].T[:, np.newaxis, :]
+    labels = [NORMAL] if directions == NORMAL else list(directions)
+    count = len(fit.shares)
+    return Loads(
+        forces.reshape(model.dof_count, -1),
+        tuple(f"{name} control point {c + 1} {label}" for label in labels for c in range(count)),
+    )
+
+
 def reduced_properties(reduction: Reduction) -> dict[str, Any]:
     """Numbers of a reduced body and its static load cases for its manifest."""
     reduced, states = reduction.body, reduction.states
     return {
         "notes": [*reduction.notes, *_large_deflections(reduced, states)],
         "interfaces": {
-            name: f"{100.0 * one.captured:.4g} % of its static compliance captured"
+            name: f"{round(100.0 * one.captured, 3):.4g} % of its static compliance captured"
             for name, one in reduced.interfaces.items()
         }
         or None,

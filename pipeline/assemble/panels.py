@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -11,32 +11,46 @@ from heavylift.numerics.outcome import InputError
 if TYPE_CHECKING:
     from heavylift.pipeline.case.bodies import FlexibleBodySection
     from heavylift.pipeline.case.case_file import Case
+    from heavylift.pipeline.case.geometry import MaterialSection
     from heavylift.pipeline.case.panels import OpeningSection, PanelsGeometry
+    from heavylift.preprocess.finite_elements.material import Material
     from heavylift.preprocess.structures.panels import Opening
     from heavylift.preprocess.structures.structure import Structure
 
-__all__ = ["structure_of_panels"]
+__all__ = ["part_material", "structure_of_panels"]
+
+
+def part_material(body: FlexibleBodySection, own: MaterialSection | None, name: str, key: str) -> Material:
+    """Material of a part: what it gives itself, the rest as of its body.
+
+    Raises
+    ------
+    InputError
+        What neither gives, with the name of the body and the key.
+    """
+    from heavylift.preprocess.finite_elements.material import Material
+
+    given = {**(body.material.given() if body.material else {}), **(own.given() if own else {})}
+    missing = [word for word in ("young_modulus", "poisson_ratio", "density") if word not in given]
+    if missing:
+        raise InputError(
+            f"no {missing[0]!r}",
+            source=name,
+            key=key,
+            expected="young_modulus, poisson_ratio and density",
+        )
+    return Material(**given)
 
 
 def structure_of_panels(
     case: Case, name: str, body: FlexibleBodySection, geometry: PanelsGeometry
 ) -> Structure:
     """Mesh of the plates, stiffeners and lugs of a body."""
-    from heavylift.preprocess.finite_elements.model import Material
     from heavylift.preprocess.structures.panels import Lug, Plate, Stiffener, mesh_panels, repeated
     from heavylift.preprocess.structures.sections import profile
 
-    def material(own: Any) -> Material:
-        given = {**(body.material.given() if body.material else {}), **(own.given() if own else {})}
-        missing = [key for key in ("young_modulus", "poisson_ratio", "density") if key not in given]
-        if missing:
-            raise InputError(
-                f"no {missing[0]!r}",
-                source=name,
-                key="material",
-                expected="young_modulus, poisson_ratio and density",
-            )
-        return Material(**given)
+    def material(own: MaterialSection | None) -> Material:
+        return part_material(body, own, name, "material")
 
     plates = [
         Plate(
@@ -55,8 +69,7 @@ def structure_of_panels(
     ]
     stiffeners = []
     for key, beam in geometry.stiffeners.items():
-        measures = {k: v for k, v in beam.section.model_dump().items() if v is not None and k != "shape"}
-        section, foot = profile(beam.section.shape, **measures)
+        section, foot = profile(beam.section.shape, **beam.section.measures())
         stiffeners.append(
             Stiffener(
                 key,

@@ -138,10 +138,10 @@ def own_surface(
     from heavylift.contours.triangles.body_surface import body_surface
     from heavylift.preprocess.surfaces.triangle_surface import placed
 
-    whole = body_surface(reduced, section.name)
-    if not section.exclude:
-        return whole
-    return whole.only(_kept(section, placed(whole.surface, position=origin), folder))
+    def chosen(surface: TriangleSurface) -> NDArray[np.bool_]:
+        return _kept(section, placed(surface, position=origin), folder)
+
+    return body_surface(reduced, section.name, chosen=chosen if section.exclude else None)
 
 
 def write_surface_file(path: Path, stored: StoredSurface) -> None:

@@ -191,6 +191,11 @@ class FlexibleBodySection(BodySection):
     initial: InitialSection = Field(default_factory=InitialSection)
     """Initial state."""
 
+    @property
+    def vector_count(self) -> int | None:
+        """Vectors of the basis, if its table tells; attachment modes of joints apart."""
+        return None if self.interfaces else self.modes.vector_count
+
     @model_validator(mode="after")
     def _fits(self) -> "FlexibleBodySection":
         given = self.geometry.type
@@ -272,14 +277,14 @@ class FlexibleBodySection(BodySection):
         twice = sorted({name for name in names if names.count(name) > 1})
         if twice:
             reject(f"load case {twice[0]!r} occurs {names.count(twice[0])} times", "one a name", key="static")
-        count = self.modes.vector_count
+        count = self.vector_count
         for key, given_count in (
             ("initial.modal_position", len(self.initial.modal_position)),
             ("initial.modal_velocity", len(self.initial.modal_velocity)),
         ):
             if count is not None and given_count > count:
                 reject(f"{given_count} values", f"at most {count}, one a mode", key=key)
-        if count is not None and len(self.modes.damping_ratio) not in {1, count}:
+        if count is not None and 1 < len(self.modes.damping_ratio) < count:  # of joints there may be more
             reject(f"{len(self.modes.damping_ratio)} values", f"1 or {count}", key="modes.damping_ratio")
         _check_initial(self.frame, self.initial)
         self._has_stress()
@@ -290,6 +295,8 @@ class FlexibleBodySection(BodySection):
         if self.stress is None:
             return f"a table 'stress' of body {name!r}"
         spot = what == "hot_spot"
+        if what == "buckling" and not self.stress.panels:
+            return f"'panels = true' in the table 'stress' of {name!r}"
         known = [one.name for one in (self.stress.hot_spots if spot else self.stress.groups)]
         if not known and not spot:
             # properties of a structure are known with its mesh only
@@ -312,6 +319,8 @@ class FlexibleBodySection(BodySection):
             )
         if given not in {"blocks", "step"}:
             return
+        if self.stress.panels:
+            reject("true with solids", "a body with plates", key="stress.panels")
         if self.stress.thickness is not None:
             return
         words = "is missing: the strength of {} depends on it, and solids have none"

@@ -24,6 +24,7 @@ from heavylift.pipeline.case.equipment import Equipped, equip
 from heavylift.pipeline.case.errors import group_errors, input_errors
 from heavylift.pipeline.case.fields import CaseContext, Section, reject
 from heavylift.pipeline.case.interface_names import put_interface_points
+from heavylift.pipeline.case.interfaces import holding_joints
 from heavylift.pipeline.case.meshes import Body, FrameBodySection, ShellBodySection
 from heavylift.pipeline.case.overrides import apply_overrides
 from heavylift.pipeline.case.panels import with_lug_interfaces
@@ -105,6 +106,7 @@ class Case(SceneTables, _CaseHeading):
             self._integrates_contacts,
             self._has_an_operation,
             self._plans_ballast,
+            *(partial(self._has_a_run, name) for name in self.bodies),
             *(partial(self._has_axes, index) for index in range(len(self.relative_motions))),
         ]
         for part in parts:
@@ -269,6 +271,15 @@ class Case(SceneTables, _CaseHeading):
             key = key_as_given(self.scenario, self._known, error.key)
             reject(error.problem, error.expected, key=f"scenario.{key}")
 
+    def _has_a_run(self, name: str) -> None:
+        """Stress over the run needs one."""
+        if getattr(self.bodies[name], "stress", None) is not None and self.simulate is None:
+            reject(
+                "needs a [simulate] section",
+                "a run; static load cases have stress without this table",
+                key=f"bodies.{name}.stress",
+            )
+
     def _plans_ballast(self) -> None:
         """Stages, tanks and hull of a ballast plan fit together."""
         if self.ballast is not None:
@@ -370,7 +381,8 @@ class Case(SceneTables, _CaseHeading):
                 cases = [one.name for one in body.static]
                 known = f"one of the static load cases of {quantity.owner!r}: {', '.join(cases) or 'there are none'}"
                 return "" if quantity.item in cases else known
-            count = body.modes.vector_count
+            joined = holding_joints(self.joints, quantity.owner)
+            count = None if joined else body.vector_count
             if quantity.component and count is not None and int(quantity.component) > count:
                 return f"vector {quantity.component} of {count}"
         if quantity.family == "stress":

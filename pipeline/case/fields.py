@@ -44,9 +44,11 @@ __all__ = [
     "CheckId",
     "Direction",
     "ForceVector",
+    "GroupName",
     "InFolder",
     "KnownHull",
     "LengthVector",
+    "MomentVector",
     "Name",
     "NoDefault",
     "NumberVector",
@@ -176,6 +178,7 @@ _Velocity = Annotated[float, Quantity("velocity")]
 _AngularVelocity = Annotated[float, Quantity("angular velocity")]
 _Acceleration = Annotated[float, Quantity("acceleration")]
 _Force = Annotated[float, Quantity("force")]
+_Moment = Annotated[float, Quantity("moment or energy")]
 LengthVector = tuple[_Length, _Length, _Length]
 """Three quantities of kind length."""
 
@@ -199,9 +202,13 @@ AccelerationVector = tuple[_Acceleration, _Acceleration, _Acceleration]
 """Three quantities of kind acceleration."""
 ForceVector = tuple[_Force, _Force, _Force]
 """Three quantities of kind force."""
+MomentVector = tuple[_Moment, _Moment, _Moment]
+"""Three quantities of kind moment."""
 
 Name = Annotated[str, StringConstraints(pattern=r"^[A-Za-z][A-Za-z0-9_-]*$", max_length=60)]
 """Name of a body, group, joint, rope, force or sensor; without dots, because channel names are dotted paths."""
+GroupName = Annotated[str, StringConstraints(min_length=1, max_length=200)]
+"""Name of a group of nodes, of the case or as its file has it: ``"SET1 4"``, ``"PSHELL 3"``."""
 
 
 def _unreserved(name: str, info: ValidationInfo) -> str:

@@ -15,6 +15,9 @@ __all__ = ["POINTS", "put_interface_points"]
 POINTS = {"point": "body", "point_a": "body_a", "point_b": "body_b"}
 """Keys of points, and those of the bodies that these are on; where two are named together, ``between`` has them."""
 
+_UNREAD = ("bodies", "repeat")
+"""Tables without such points, or that have been written out."""
+
 
 def put_interface_points(document: dict[str, Any], file: Path) -> tuple[dict[str, Any], list[InputError]]:
     """Put reference points of interfaces where their names stand for points of a body.
@@ -33,7 +36,7 @@ def put_interface_points(document: dict[str, Any], file: Path) -> tuple[dict[str
         else is said of them.
     """
     reader = _Reader(document.get("bodies"), file)
-    found = {key: value if key == "bodies" else reader.read(value, key) for key, value in document.items()}
+    found = {key: value if key in _UNREAD else reader.read(value, key) for key, value in document.items()}
     return found, reader.errors
 
 

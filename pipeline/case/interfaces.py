@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import model_validator
 
-from heavylift.pipeline.case.fields import LengthVector, Name, Positive, Section, reject
+from heavylift.pipeline.case.fields import LengthVector, Positive, Section, reject
 from heavylift.solver.scene.connections import Place
 
 __all__ = ["InterfaceSection", "holding_joints"]
@@ -18,7 +18,7 @@ class InterfaceSection(Section):
 
     at: LengthVector | None = None
     """Reference point [m], in coordinates of the geometry; by default the middle of the group, by its weights."""
-    group: Name | None = None
+    group: str | None = None
     """Group of nodes; without it and `radius` the place is a point of an element."""
     radius: Annotated[float, Positive("length")] | None = None
     """In place of `group`: nodes of the surface within this distance of `at` [m]."""

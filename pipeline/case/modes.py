@@ -6,7 +6,16 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import BeforeValidator, Field, StringConstraints, model_validator
 
-from heavylift.pipeline.case.fields import LengthVector, Name, NoDefault, Positive, Quantity, Section, reject
+from heavylift.pipeline.case.fields import (
+    GroupName,
+    LengthVector,
+    Name,
+    NoDefault,
+    Positive,
+    Quantity,
+    Section,
+    reject,
+)
 
 __all__ = ["ContactPatchSection", "ModesSection"]
 
@@ -74,15 +83,15 @@ class ModesSection(Section):
     up_to: Annotated[float, Positive("frequency")] | None = None
     """All eigenmodes up to this frequency [Hz], `count` at most if that is given: a plated block has a few global modes
     below a crowd of modes of its panels, which no count tells apart."""
-    clamp: tuple[Name, ...] = ()
+    clamp: tuple[GroupName, ...] = ()
     """Groups of nodes that are held; none gives the modes of the free body."""
     select: tuple[Index, ...] = ()
     """One-based numbers of the eigenmodes or stored shapes that are kept; all if empty."""
-    interface: tuple[Name, ...] = ()
+    interface: tuple[GroupName, ...] = ()
     """For ``craig_bampton``: groups of the nodes where other bodies are attached."""
     static_points: tuple[LengthVector, ...] = ()
     """Points [m], in coordinates of the geometry; unit loads there add static vectors."""
-    static_groups: tuple[Name, ...] = ()
+    static_groups: tuple[GroupName, ...] = ()
     """Groups on each of which unit loads, spread evenly, add static vectors."""
     static_directions: Annotated[str, StringConstraints(pattern="^x?y?z?$", min_length=1)] = "xyz"
     """Directions of the unit loads."""

@@ -157,6 +157,10 @@ class ProfileSection(Section):
     diameter: Length | None = None
     """Outer diameter of a round bar or tube [m]."""
 
+    def measures(self) -> dict[str, float]:
+        """Measures of the shape [m]."""
+        return {key: getattr(self, key) for key in _MEASURES[self.shape]}
+
     @model_validator(mode="after")
     def _has_its_measures(self) -> Self:
         needed = _MEASURES[self.shape]

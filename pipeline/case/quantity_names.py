@@ -28,6 +28,7 @@
                                                ``top``, ``bottom``, ``membrane``, ``bending``, and ``centre``: the
                                                membrane at the centres of elements
 ``stress.BODY.GROUP.utilisation.STATISTIC``    the same over the yield strength, with a side likewise
+``stress.BODY.GROUP.buckling.STATISTIC``       utilisation by buckling of the worst plate panel of a group
 ``stress.BODY.SPOT.hot_spot.STATISTIC``        structural stress at a weld toe
 ``frequency.OWNER.KIND[.COMPONENT]``           frequency of one sinusoid about a mean fitted to a channel,
                                                e.g. ``frequency.bead.position.y``
@@ -138,7 +139,7 @@ STRESSES = {
     "rod": ("axial", "largest"),
 }
 """Components of the stress at a material point, by the type of its body."""
-RECOVERED = {"von_mises": "pressure", "utilisation": "number", "hot_spot": "pressure"}
+RECOVERED = {"von_mises": "pressure", "utilisation": "number", "buckling": "number", "hot_spot": "pressure"}
 """What is told of a group or a hot spot of a body with a table ``stress``, and the quantity."""
 PLATE_SIDES = ("top", "bottom", "membrane", "bending", "centre")
 """Sides of plates of such a body."""
@@ -410,7 +411,8 @@ def _stress(text: str, parts: list[str], names: Declared | None) -> QuantityName
     if len(parts) > 4 and (names is None or names.body_types.get(owner) == "flexible"):
         what = parts[-2]
         if what in RECOVERED and (
-            len(parts) == 5 or (len(parts) == 6 and parts[3] in PLATE_SIDES and what != "hot_spot")
+            len(parts) == 5
+            or (len(parts) == 6 and parts[3] in PLATE_SIDES and what in {"von_mises", "utilisation"})
         ):
             unit = KINDS[RECOVERED[what]]
             return QuantityName(text, "stress", owner, parts[2], ".".join(parts[3:-1]), parts[-1], unit)

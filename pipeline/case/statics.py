@@ -9,7 +9,9 @@ from pydantic import BeforeValidator, Field, StringConstraints, model_validator
 from heavylift.pipeline.case.fields import (
     AccelerationVector,
     ForceVector,
+    GroupName,
     LengthVector,
+    MomentVector,
     Name,
     Quantity,
     Section,
@@ -28,7 +30,9 @@ _Stress = Annotated[float, Quantity("pressure")]
 class _PlaceSection(Section):
     """Which nodes of a flexible body."""
 
-    on: Annotated[tuple[Name, ...], BeforeValidator(as_list, json_schema_input_type=Name | list[Name])] = ()
+    on: Annotated[
+        tuple[GroupName, ...], BeforeValidator(as_list, json_schema_input_type=GroupName | list[GroupName])
+    ] = ()
     """A group of nodes, or a list of groups; all nodes of the body if absent."""
     lower: LengthVector | None = Field(default=None, alias="from")
     """Corner of a box with the smallest coordinates [m]; nodes outside of the box are left out."""
@@ -58,25 +62,28 @@ class BodySupportSection(_PlaceSection):
     """Nodes of a flexible body that do not move in its frame, in some directions or in all; or a plane of symmetry."""
 
     fixed: Directions | None = None
-    """Directions that are held, in axes of the geometry: ``"xyz"`` clamps."""
+    """Directions that are held, in axes of the geometry: ``"xyz"`` clamps solids."""
+    rotations: Directions | None = None
+    """Axes about which nodes of plates and beams do not turn: ``"xyz"`` with `fixed` clamps these."""
     symmetry: Literal["x", "y", "z"] | None = None
     """In place of a group and `fixed`: half of a body that is symmetric to a plane across this axis; nodes in the plane
-    do not leave it."""
+    do not leave it, and those of plates and beams turn about this axis only."""
     at: Annotated[float, Quantity("length")] = 0.0
     """Coordinate of the plane of symmetry [m]."""
 
     @model_validator(mode="after")
     def _is_complete(self) -> Self:
-        if (self.fixed is None) == (self.symmetry is None):
+        given = [key for key in ("fixed", "rotations") if getattr(self, key) is not None]
+        if bool(given) == (self.symmetry is not None):
             reject(
-                "both 'fixed' and 'symmetry'" if self.fixed else "neither 'fixed' nor 'symmetry'",
-                "'fixed' (directions of a group or box), or 'symmetry' (a plane)",
+                f"both {given[0]!r} and 'symmetry'" if given else "neither 'fixed' nor 'symmetry'",
+                "'fixed' or 'rotations' (of a group or box), or 'symmetry' (a plane)",
             )
         if self.symmetry is not None and self.is_somewhere:
             reject("'symmetry' with a group or box", "'symmetry' and 'at' alone", key="symmetry")
-        if self.fixed is not None and not self.is_somewhere:
-            reject("'fixed' without a place", "'on' (groups), or a box 'from', 'to'", key="fixed")
-        if self.fixed is not None and "at" in self.model_fields_set:
+        if given and not self.is_somewhere:
+            reject(f"{given[0]!r} without a place", "'on' (groups), or a box 'from', 'to'", key=given[0])
+        if given and "at" in self.model_fields_set:
             reject("'at' without 'symmetry'", "'symmetry', or a group or box", key="at")
         return self
 
@@ -89,19 +96,24 @@ class StaticLoadSection(_PlaceSection):
     traction: tuple[_Stress, _Stress, _Stress] | None = None
     """Force by area on the faces [Pa], axes of the geometry."""
     force: ForceVector | None = None
-    """Resultant on the faces [N], spread evenly over their area; on nodes that make up no face in equal shares."""
+    """Resultant on the faces [N], spread evenly over their area; on nodes that make up no face in equal shares, of
+    plates and beams by the length of the edges between them."""
+    moment: MomentVector | None = None
+    """Resultant on nodes of plates or beams [N m], in shares of the area or length between them."""
     acceleration: AccelerationVector | None = None
     """Force by mass on all of the body [m/s^2], as of gravity."""
 
     @model_validator(mode="after")
     def _is_one_load(self) -> Self:
         given = [
-            key for key in ("pressure", "traction", "force", "acceleration") if getattr(self, key) is not None
+            key
+            for key in ("pressure", "traction", "force", "moment", "acceleration")
+            if getattr(self, key) is not None
         ]
         if len(given) != 1:
             reject(
                 f"{' and '.join(map(repr, given))} together" if given else "no load",
-                "one of 'pressure', 'traction', 'force' and 'acceleration'",
+                "one of 'pressure', 'traction', 'force', 'moment' and 'acceleration'",
             )
         if self.acceleration is not None and self.is_somewhere:
             reject(

@@ -4,7 +4,7 @@
 
 from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import ValidationInfo, field_validator, model_validator
+from pydantic import StringConstraints, ValidationInfo, field_validator, model_validator
 
 from heavylift.pipeline.case.fields import (
     Direction,
@@ -18,7 +18,10 @@ from heavylift.pipeline.case.fields import (
 )
 from heavylift.pipeline.case.steel import steel_grades, thickest
 
-__all__ = ["HotSpotSection", "StressGroupSection", "StressSection"]
+__all__ = ["HotSpotSection", "PropertyName", "StressGroupSection", "StressSection"]
+
+PropertyName = Annotated[str, StringConstraints(pattern=r"^[^\s.][^.]*$", max_length=200)]
+"""Name of a group of nodes, or of a property as decks have it: ``"PSHELL 3"``; without dots, being part of names."""
 
 
 class _StrengthSection(Section):
@@ -59,7 +62,7 @@ class _StrengthSection(Section):
 class StressGroupSection(_StrengthSection):
     """Points of a flexible body whose largest stress is told."""
 
-    name: Name
+    name: PropertyName
     """Group of plates or beams, by the name of their property, or of nodes."""
 
 
@@ -93,6 +96,9 @@ class StressSection(_StrengthSection):
     """Whether weight and inertia of the frame, which no mode may follow, act by their static answer too."""
     hot_spots: tuple[HotSpotSection, ...] = ()
     """Weld toes, as at lugs."""
+    panels: bool = False
+    """Whether plates between stiffeners and other plates are told with their utilisation by buckling, by mean
+    stresses."""
 
     @field_validator("groups", "hot_spots")
     @classmethod

@@ -7,7 +7,9 @@ them.
 
 from __future__ import annotations
 
+import json
 from dataclasses import dataclass, replace
+from functools import cache, partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -22,6 +24,7 @@ from heavylift.pipeline.results.storage import digest_bytes, digest_json
 from heavylift.pipeline.results.stress_io import (
     BodyStress,
     GroupStress,
+    PanelStress,
     PartEnvelope,
     read_stress,
     stress_digest_of,
@@ -29,10 +32,11 @@ from heavylift.pipeline.results.stress_io import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from numpy.typing import NDArray
 
+    from heavylift.modal.flexibility import Flexibility
     from heavylift.modal.reduced import ReducedBody
     from heavylift.modal.stress_history import Envelope, GroupHistory
     from heavylift.modal.stress_points import StressPoints
@@ -52,8 +56,10 @@ ALL = "all"
 _SLIGHT = (
     1e-4  # of gravity: accelerations that strain a body no more than its weight does by a ten-thousandth
 )
-_EXCITED = 0.01  # of the elastic energy: of a mode that is excited
-_RECORDS = 5  # a period of the highest mode that is excited
+_MISSED = 0.02  # of the strain energy of a force: what modes may not have of it without a word
+_SAME = 1e-6  # of the size of a body: a point that is an interface
+_EXCITED = 0.01  # of the elastic energy: kinetic energy of a mode that vibrates
+_RECORDS = 5  # a period of the highest mode that vibrates
 
 
 def body_stress(
@@ -122,11 +128,25 @@ def _computed(case: Case, name: str, folder: OutputFolder, results: Results, log
     groups = _groups(case, name, body, model, parts)
     shapes = model_columns(reduced)
     modal = results[f"{name}.modal_position"].reshape(len(results.time), -1)
+    lost = ~np.isfinite(modal).all(axis=1)
+    if lost.any():
+        raise InputError(
+            f"the modal coordinates of {name!r} are not finite from {results.time[lost][0]:.6g} s on",
+            source=results.source,
+            expected="a run that stays finite",
+        )
     correction, loads, notes = np.empty((len(shapes), 0)), np.empty((len(modal), 0)), list[str]()
+    flexibility = cache(partial(_flexibility, body, model))  # made when something needs it
+    notes += _places(case, name, folder, reduced, shapes, flexibility)
     if body.stress.correction:
-        correction, loads, notes = _correction(case, name, folder, model, reduced, shapes, results)
+        correction, loads, more = _correction(
+            case, name, folder, model, reduced, shapes, results, flexibility
+        )
+        notes += more
         shapes, modal = np.hstack([shapes, correction]), np.hstack([modal, loads])
-    notes += _too_few_records(reduced, modal, results)
+    notes += _too_few_records(name, reduced, results)
+    panels, more = _panels(case, name, body, model, shapes, modal)
+    notes += more
     found: list[list[GroupHistory]] = []
     envelopes: list[PartEnvelope] = []
     total, done = sum(map(len, parts)), 0
@@ -158,7 +178,58 @@ def _computed(case: Case, name: str, folder: OutputFolder, results: Results, log
         correction=correction,
         loads=loads,
         notes=tuple(notes),
+        panels=panels,
     )
+
+
+def _panels(
+    case: Case,
+    name: str,
+    body: FlexibleBodySection,
+    model: FEModel,
+    shapes: NDArray[np.float64],
+    coordinates: NDArray[np.float64],
+) -> tuple[PanelStress | None, list[str]]:
+    """Plate panels at all records, and sentences on them; None if they are not asked for."""
+    assert body.stress is not None
+    if not body.stress.panels:
+        return None, []
+    if model.structure is None:
+        raise InputError(
+            f"{name!r} has no plates",
+            source=str(case.file),
+            key=case.place(f"bodies.{name}.stress.panels"),
+            expected="a body with plates, or false",
+        )
+    from heavylift.modal.plate_panels import panel_use, plate_panels
+
+    properties = _properties(model)
+    own = {one.name: one for one in body.stress.groups}
+    named = set(own) if own and set(own) <= set(properties) else None
+    found = plate_panels(model, named)
+    strength = np.full(len(found.group), np.nan)
+    for number, group in enumerate(found.group):
+        owner = own[group] if group in own and own[group].has_strength else body.stress
+        if owner.yield_strength is not None:
+            strength[number] = owner.yield_strength
+        elif owner.grade is not None:
+            strength[number] = yield_strengths(owner.grade, found.thickness[number])
+    modal = np.asarray(found.operator @ shapes)
+    stress = (coordinates @ modal.T).reshape(len(coordinates), len(found.group), 5)
+    notes = []
+    if found.others:
+        notes.append(
+            f"{found.others} plane parts of plates are no rectangles and have no buckling stress here."
+        )
+    return PanelStress(
+        found.group,
+        found.centre,
+        found.length,
+        found.width,
+        found.thickness,
+        stress[..., [0, 2, 4]].astype(np.float32),
+        panel_use(found, stress, strength).astype(np.float32),
+    ), notes
 
 
 def model_columns(reduced: ReducedBody) -> NDArray[np.float64]:
@@ -442,13 +513,11 @@ def _correction(
     reduced: ReducedBody,
     shapes: NDArray[np.float64],
     results: Results,
+    flexibility: Callable[[], Flexibility],
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], list[str]]:
     """Shapes by unit load (N, k), loads at each record (records, k), and sentences on them."""
-    import json
-
-    from heavylift.modal.flexibility import Flexibility, apply_mass
+    from heavylift.modal.flexibility import apply_mass
     from heavylift.modal.static_correction import inertia_fields, static_correction
-    from heavylift.pipeline.assemble.modes import held_directions
 
     body: Any = case.bodies[name]
     free = body.frame.motion == "free"
@@ -461,32 +530,90 @@ def _correction(
     acting = np.flatnonzero(np.abs(loads).max(axis=0, initial=0.0) * size > _SLIGHT * gravity)
     if not acting.size:
         return np.empty((len(shapes), 0)), np.empty((len(loads), 0)), []
-    clamped = [model.node_groups[group] for group in body.modes.clamp]
-    held = replace(model, fixed_dofs=held_directions(model, body.supports))
-    flexibility = Flexibility(held, np.unique(np.concatenate(clamped)) if clamped else ())
     fields = fields[:, :, acting].reshape(-1, len(acting))
     if model.points is None:
         forces = apply_mass(model.mass, fields)
     else:
         forces = model.points.operator.T @ (np.repeat(model.points.masses, 3)[:, np.newaxis] * fields)
-    found = static_correction(flexibility, shapes, reduced.eigenvalues, forces)
+    found = static_correction(flexibility(), shapes, reduced.eigenvalues, forces)
     notes = []
     if found.loads.size:
-        worst = acting[int(found.missing.argmax())]
-        what = (
-            f"acceleration along {names[worst]}"
-            if len(names[worst]) == 1
-            else f"field {names[worst]} of rotation"
-        )
+        modal = results[f"{name}.modal_position"].reshape(len(results.time), -1)
+        elastic = float((0.5 * modal**2 @ reduced.eigenvalues).max())
+        added = found.energy * (loads[:, acting[found.loads]] ** 2).max(axis=0)
+        worst = int(added.argmax())
+        field = names[acting[found.loads[worst]]]
+        share = added[worst] / max(elastic + added[worst], np.finfo(np.float64).tiny)
+        what = f"acceleration along {field}" if len(field) == 1 else f"field {field} of rotation"
         notes.append(
-            f"Weight and inertia of the frame by their static answer besides the modes, which miss "
-            f"{100.0 * found.missing.max():.3g} % of its strain energy ({what})."
+            "Weight and inertia of the frame act by their static answer besides the modes, which miss up to "
+            f"{100.0 * share:.2g} % of the elastic energy by it ({what})."
         )
         if body.frame.motion == "driven":
             notes.append(
                 "The acceleration of the driven frame is that of differences of its recorded velocity."
             )
     return found.shapes, loads[:, acting[found.loads]], notes
+
+
+def _flexibility(body: Any, model: FEModel) -> Flexibility:
+    """Of a body, held as for its modes."""
+    from heavylift.modal.flexibility import Flexibility
+    from heavylift.pipeline.assemble.modes import held_directions
+
+    clamped = [model.node_groups[group] for group in body.modes.clamp]
+    fixed = np.union1d(model.fixed_dofs, held_directions(model, body.supports)).astype(np.int64)
+    return Flexibility(
+        replace(model, fixed_dofs=fixed), np.unique(np.concatenate(clamped)) if clamped else ()
+    )
+
+
+def _places(
+    case: Case,
+    name: str,
+    folder: OutputFolder,
+    reduced: ReducedBody,
+    shapes: NDArray[np.float64],
+    flexibility: Callable[[], Flexibility],
+) -> list[str]:
+    """Sentences on places where joints, ropes and forces act, of which the modes have no static vectors."""
+    from heavylift.modal.bases import place_loads
+    from heavylift.modal.static_correction import static_correction
+    from heavylift.pipeline.assemble.scene import assemble_scene, points_on
+    from heavylift.pipeline.case.interfaces import holding_joints
+
+    if not (case.joints or case.ropes or case.forces):
+        return []
+    body: Any = case.bodies[name]
+    joints = assemble_scene(case, folder).joints
+    origin = np.array(json.loads(read_header(folder.reduced(name))["frame_origin"]))
+    # joints that hold directions have static vectors
+    held = {index for index, _ in holding_joints(case.joints, name)}
+    acting = points_on(
+        case,
+        [None if index in held else joint for index, joint in enumerate(joints)],
+        [None] * len(case.contacts),
+        name,
+        origin,
+    )
+    known = [np.array(one.at) for one in body.interfaces.values() if one.at is not None]
+    notes: list[str] = []
+    seen: list[NDArray[np.float64]] = []
+    for key, point in acting:
+        place = np.asarray(point, dtype=np.float64)
+        near = any(np.linalg.norm(place - at) <= _SAME * reduced.size for at in (*known, *seen))
+        if near or key.startswith(("sensors.", "relative_motions.", "leads.")):
+            continue
+        seen.append(place)
+        loads = place_loads(flexibility().model, [place.tolist()], key=key)
+        missing = static_correction(flexibility(), shapes, reduced.eigenvalues, loads.forces).missing
+        worst = int(missing.argmax())
+        if missing[worst] > _MISSED:
+            notes.append(
+                f"{key}: the modes miss {100.0 * missing[worst]:.3g} % of the strain energy of a force there along "
+                f"{'xyz'[worst]}, and its stress around: give it an interface, or 'modes.static_points'."
+            )
+    return notes
 
 
 def _field_loads(
@@ -502,10 +629,14 @@ def _field_loads(
     gravity = np.zeros(3) if case.gravity is None else np.array(case.gravity.acceleration, dtype=np.float64)
     spin = results[f"{name}.angular_velocity"].reshape(count, 3)
     rate, moved = np.zeros((count, 3)), np.zeros((count, 3))
-    if body.frame.motion == "driven" and count > 2:
+    # the last record of a run that was stopped may be there twice
+    times, first, again = np.unique(results.time, return_index=True, return_inverse=True)
+    if body.frame.motion == "driven" and len(times) > 2:
         velocity = results[f"{name}.velocity"].reshape(count, 3)
-        rate = np.asarray(np.gradient(spin, results.time, axis=0, edge_order=2))
-        moved = np.asarray(np.gradient(velocity, results.time, axis=0, edge_order=2))
+        rate, moved = (
+            np.asarray(np.gradient(one[first], times, axis=0, edge_order=2))[again.ravel()]
+            for one in (spin, velocity)
+        )
     turning, faster = (np.cross(one[:, np.newaxis], np.eye(3)).transpose(0, 2, 1) for one in (spin, rate))
     A = np.matmul(turning, turning) + (0.0 if free else faster)
     pull = to_body.apply(gravity - moved)
@@ -515,22 +646,27 @@ def _field_loads(
     )
 
 
-def _too_few_records(reduced: ReducedBody, modal: NDArray[np.float64], results: Results) -> list[str]:
-    """That records are too far apart for the highest mode that is excited."""
+def _too_few_records(name: str, reduced: ReducedBody, results: Results) -> list[str]:
+    """That records are too far apart for the highest mode that vibrates: it has kinetic energy."""
     if len(results.time) < 3:
         return []
-    own = modal[:, : reduced.mode_count]
-    energy = 0.5 * reduced.eigenvalues * np.var(own, axis=0)
-    if not energy.any():
+    position, speed = (
+        results[f"{name}.{kind}"].reshape(len(results.time), -1)
+        for kind in ("modal_position", "modal_velocity")
+    )
+    kinetic = 0.5 * np.mean(speed**2, axis=0)
+    elastic = 0.5 * float(np.mean(position**2, axis=0) @ reduced.eigenvalues)
+    excited = np.flatnonzero(kinetic > _EXCITED * elastic)
+    if not excited.size:
         return []
-    highest = int(np.flatnonzero(energy >= _EXCITED * energy.sum()).max())
+    highest = int(excited.max())
     period = 1.0 / float(reduced.frequencies[highest])
     interval = float(np.diff(results.time).max())
     if interval * _RECORDS <= period:
         return []
     words = (
         f"Records are {interval:.4g} s apart: {_RECORDS} a period of vector {highest + 1} "
-        f"({1.0 / period:.4g} Hz), the highest that moves with 1 % of the elastic energy, would be "
+        f"({1.0 / period:.4g} Hz), the highest that vibrates with 1 % of the elastic energy, would be "
         f"{period / _RECORDS:.3g} s; between them stresses may be larger."
     )
     return [words]

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from heavylift.pipeline.case.case_file import Case
     from heavylift.pipeline.case.criteria.results import CriterionResult
     from heavylift.pipeline.checks.quantities import CheckResult
+    from heavylift.pipeline.log import Log
     from heavylift.pipeline.results.histories import Results
 
 __all__ = ["Judged", "judge", "judging_stages", "needed_stages"]
@@ -51,7 +52,13 @@ class Judged:
 
 
 def judge(
-    case: Case, out: Path, results: Results | None = None, *, checks: bool = True, criteria: bool = True
+    case: Case,
+    out: Path,
+    results: Results | None = None,
+    *,
+    checks: bool = True,
+    criteria: bool = True,
+    log: Log | None = None,
 ) -> Judged:
     """Evaluate the checks and criteria of a case from the files of its stages, each by itself.
 
@@ -65,8 +72,10 @@ def judge(
         Its records, if they have been read.
     checks, criteria
         Whether they are asked for.
+    log
+        Told how far what takes its time is.
     """
-    quantities = Quantities(case, out)
+    quantities = Quantities(case, out, log)
     if results is not None:
         quantities.__dict__["results"] = results
     found: list[CheckResult] = []

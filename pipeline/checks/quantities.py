@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from heavylift.pipeline.case.checks import CheckSection
     from heavylift.pipeline.case.quantity_names import QuantityName
     from heavylift.pipeline.checks.stresses import SolidStresses
+    from heavylift.pipeline.log import Log
     from heavylift.pipeline.results.stress_io import BodyStress
 
 __all__ = ["CheckResult", "Quantities", "energy_drift", "evaluate_check", "relative_drift"]
@@ -142,6 +143,8 @@ class Quantities:
         The case.
     out
         Its output folder; the stages that the quantities need must have run.
+    log
+        Told how far the stress of a body over the run is.
 
     Attributes
     ----------
@@ -149,8 +152,9 @@ class Quantities:
         First and last time of the records of which statistics are [s]; None for that of the run.
     """
 
-    def __init__(self, case: Case, out: Path) -> None:
+    def __init__(self, case: Case, out: Path, log: Log | None = None) -> None:
         self._case = case
+        self._log = log
         self._folder = OutputFolder(out)
         self._positions: dict[str, Any] = {}
         self._solids: dict[str, SolidStresses] = {}
@@ -420,6 +424,10 @@ class Quantities:
         try:
             if what == "hot_spot":
                 return stress.hot_spots[name.item]
+            if what == "buckling" and stress.panels is not None:
+                return np.asarray(
+                    stress.panels.use[:, stress.panels.of(name.item)].max(axis=1), dtype=np.float64
+                )
             return stress.group(name.item).history("".join(side), used=what == "utilisation")
         except InputError as error:
             raise InputError(
@@ -431,7 +439,9 @@ class Quantities:
         from heavylift.pipeline.checks.body_stress import body_stress
 
         if body not in self._recovered_bodies:
-            self._recovered_bodies[body] = body_stress(self._case, body, self._folder, self.results)
+            self._recovered_bodies[body] = body_stress(
+                self._case, body, self._folder, self.results, self._log
+            )
         return self._recovered_bodies[body]
 
     def _stresses_over_time(self, name: QuantityName) -> NDArray[np.float64]:

@@ -248,8 +248,9 @@ def interpolated(
     model: FEModel, nodal: NDArray[np.float64], point: ArrayLike, source: object
 ) -> NDArray[np.float64]:
     """Nodal values, shape (m, n, k), at a point in coordinates of the geometry [m], shape (m, k)."""
-    assert model.mesh is not None
-    nodes, weights = model.mesh.locate(point, source=source)
+    from heavylift.preprocess.finite_elements.mesh import find_place
+
+    nodes, weights = find_place(model.nodes, model.mesh or model.structure, point, source=source)
     values: NDArray[np.float64] = np.einsum("a,mak->mk", weights, nodal[:, nodes])
     return values
 

@@ -76,7 +76,7 @@ def judge_case(
     report = run_case(case, out=out, stages=stages, force=stages if force else (), log=log)
     if report.outcome is not Outcome.COMPLETED:
         return JudgedCase(case.name, report.outcome, message=report.message)
-    found = judge(case, report.folder.root, checks=False)
+    found = judge(case, report.folder.root, checks=False, log=log)
     return JudgedCase(
         case.name,
         Outcome.COMPLETED if found.passed else Outcome.CHECK_FAILED,

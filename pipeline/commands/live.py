@@ -105,7 +105,9 @@ class LiveRun:
                 judgement = JudgedRun(Verdict("Running: checks and criteria follow at the end.", passed=None))
             else:
                 judgement = judged_run(self.case, self.folder, self._results, self._problem)
-            return interactive_content(self.case, self.folder, self._results, judgement, **live)
+            return interactive_content(
+                self.case, self.folder, self._results, judgement, running=self.running, **live
+            )
 
     def stop(self) -> None:
         """Ask the child to stop at its next step; what it has done is kept."""

@@ -130,7 +130,7 @@ def verify_case(
         if report.outcome is not Outcome.COMPLETED:
             outcome, message = report.outcome, report.message
         else:
-            found = judge(case, report.folder.root)
+            found = judge(case, report.folder.root, log=log)
             return CaseVerdict(
                 name,
                 Outcome.COMPLETED if found.passed else Outcome.CHECK_FAILED,

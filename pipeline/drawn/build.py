@@ -179,6 +179,7 @@ def case_scene(
     detail: Detail = PAGE,
     records: NDArray[np.int64] | None = None,
     marked: bool = False,
+    running: bool = False,
 ) -> DrawnScene:
     """Everything that is drawn of a case, at its records, or as it is put together if there are none.
 
@@ -196,6 +197,8 @@ def case_scene(
         Numbers of records; as many as `detail` allows if None.
     marked
         Whether joints, sensors, ropes and contacts have labels too, as before a run.
+    running
+        Whether there will be more records: stresses are those of the modes alone until then.
     """
 
     def surface(name: str) -> OuterSurface | None:
@@ -209,7 +212,7 @@ def case_scene(
         from heavylift.pipeline.checks.stresses import SolidStresses
 
         assert results is not None
-        asked = case.bodies[name].stress is not None
+        asked = case.bodies[name].stress is not None and not running
         stress = body_stress(case, name, stages, results) if asked else None
         solid = SolidStresses(name, stages, case.file, stress)
         return solid.fields(solid.coordinates(results)[chosen], nodes)

@@ -222,7 +222,9 @@ def _place(place: Any) -> str:
 def _support(support: Any) -> str:
     if support.symmetry is not None:
         return f"symmetry, {support.symmetry} = {number_words(support.at, 'm')}"
-    return f"{_place(support)}: {support.fixed} held"
+    held = [support.fixed] if support.fixed else []
+    held += [f"rotations about {support.rotations}"] if support.rotations else []
+    return f"{_place(support)}: {' and '.join(held)} held"
 
 
 def _static_load(load: Any) -> str:
@@ -230,7 +232,7 @@ def _static_load(load: Any) -> str:
         return f"pressure {number_words(load.pressure, 'Pa')} on {_place(load)}"
     key, unit = next(
         (key, unit)
-        for key, unit in (("traction", "Pa"), ("force", "N"), ("acceleration", "m/s²"))
+        for key, unit in (("traction", "Pa"), ("force", "N"), ("moment", "N m"), ("acceleration", "m/s²"))
         if getattr(load, key) is not None
     )
     where = f" on {_place(load)}" if key != "acceleration" else ""

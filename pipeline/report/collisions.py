@@ -618,7 +618,9 @@ def _modal_surface(
     reduced, origin = read_reduced(path), np.array(json.loads(read_header(path)["frame_origin"]))
     surface, nodes = own_surface(section, reduced, origin, case.folder)
     position, orientation, q = (results[channel][record] for channel in channels)
-    inside = surface.points + np.tensordot(np.atleast_1d(q), point_shapes(reduced, nodes), axes=1)
+    inside = surface.points + np.tensordot(
+        np.atleast_1d(q), point_shapes(reduced, nodes, surface.points), axes=1
+    )
     points = position + inside @ rotation_matrix(orientation).T
     return TouchingSurface(points, surface.triangles, np.empty((0, 3), dtype=np.int64), section.name)
 

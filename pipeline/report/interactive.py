@@ -33,13 +33,13 @@ __all__ = ["JudgedRun", "interactive_content", "recorded_scene"]
 
 
 def recorded_scene(
-    case: Case, stages: OutputFolder, results: Results | None
+    case: Case, stages: OutputFolder, results: Results | None, *, running: bool = False
 ) -> tuple[DrawnScene | None, str]:
-    """What is drawn of a run, or why nothing is."""
+    """What is drawn of a run that has ended or is running, or why nothing is."""
     from heavylift.pipeline.assemble.scene import assemble_scene
 
     try:
-        return case_scene(case, stages, assemble_scene(case, stages), results), ""
+        return case_scene(case, stages, assemble_scene(case, stages), results, running=running), ""
     except InputError as error:
         reason = str(error)
     except KeyError as error:  # files of stages that are not those of this version
@@ -83,6 +83,7 @@ def interactive_content(
     *,
     live: str = "",
     version_of_data: int = 0,
+    running: bool = False,
 ) -> PageContent:
     """Header and numbers of the page of a run.
 
@@ -94,8 +95,10 @@ def interactive_content(
         Its caption.
     live, version_of_data
         As of `page_content`.
+    running
+        Whether there will be more records.
     """
-    drawn, problem = recorded_scene(case, stages, results)
+    drawn, problem = recorded_scene(case, stages, results, running=running)
     rows = [_criterion(case, results, one) for one in judgement.criteria]
     rows += [_open(name, reason) for name, reason in judgement.open_criteria.items()]
     rows += [_check(case, results, one) for one in judgement.checks]

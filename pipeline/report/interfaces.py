@@ -18,7 +18,10 @@ def interface_table(reduced: ReducedBody) -> Table:
     """A row an interface."""
     rows = []
     for name, one in reduced.interfaces.items():
-        captured = f"{100.0 * one.captured:.4g}" if np.isfinite(one.captured) else ""
-        rows.append((name, *(f"{x:.6g}" for x in one.point), str(len(one.nodes)), captured))
+        captured = f"{round(100.0 * one.captured, 3):.4g}" if np.isfinite(one.captured) else ""
+        place = np.where(
+            np.abs(one.point) > 1e-12 * reduced.size, one.point, 0.0
+        )  # without what rounding leaves
+        rows.append((name, *(f"{x:.6g}" for x in place), str(len(one.nodes)), captured))
     titles = ("interface", "x [m]", "y [m]", "z [m]", "nodes", "static compliance captured, at least [%]")
     return Table(titles, tuple(rows), frozenset({1, 2, 3, 4, 5}))

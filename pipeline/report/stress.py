@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from heavylift.pipeline.report.document import Album, Facts
     from heavylift.pipeline.results.histories import Results
     from heavylift.pipeline.results.storage import OutputFolder
-    from heavylift.pipeline.results.stress_io import BodyStress
+    from heavylift.pipeline.results.stress_io import BodyStress, PanelStress
 
     Item = Text | Facts | Table | Figure
 
@@ -31,7 +31,6 @@ __all__ = ["stress_of_run"]
 
 _WORDS = {
     "": "whole stress",
-    "membrane": "membrane, nodes",
     "bending": "bending alone",
     CENTRE_SIDE: "membrane, centres of elements",
 }
@@ -69,6 +68,8 @@ def stress_of_run(
     items: list[Item] = [_group_table(stress)]
     if stress.hot_spots:
         items.append(_hot_spot_table(stress))
+    if stress.panels is not None and stress.panels.group:
+        items.append(_panel_table(stress, stress.panels))
     items += [Text(note) for note in stress.notes]
     if painter is not None:
         items += _figures(name, stages, results, stress, painter, album)
@@ -123,6 +124,38 @@ def _hot_spot_table(stress: BodyStress) -> Table:
         )
     columns = ("hot spot", "largest [MPa]", "time [s]", "smallest [MPa]", "time [s]", "range [MPa]")
     return Table(columns, tuple(rows), frozenset({1, 2, 3, 4, 5}))
+
+
+def _panel_table(stress: BodyStress, panels: PanelStress) -> Table:
+    """The panel of each group that is used most by buckling."""
+    rows = []
+    for name in dict.fromkeys(panels.group):
+        own = panels.of(name)
+        record, column = np.unravel_index(int(panels.use[:, own].argmax()), (len(stress.times), len(own)))
+        panel = own[column]
+        sides = [1e3 * float(one[panel]) for one in (panels.length, panels.width, panels.thickness)]
+        along, across, shear = 1e-6 * panels.stress[record, panel]
+        rows.append(
+            (
+                name,
+                str(len(own)),
+                f"{sides[0]:.4g} × {sides[1]:.4g} × {sides[2]:.3g} mm",
+                numbers_words(panels.centre[panel].tolist(), "m"),
+                f"{along:.4g}, {across:.4g}, {shear:.4g}",
+                f"{stress.times[record]:.6g}",
+                f"{100.0 * panels.use[record, panel]:.3g} %",
+            )
+        )
+    columns = (
+        "group",
+        "panels",
+        "used most: a × b × t",
+        "centre",
+        "mean σ along a, across, τ [MPa]",
+        "time [s]",
+        "used by buckling",
+    )
+    return Table(columns, tuple(rows), frozenset({1, 5, 6}))
 
 
 def _figures(

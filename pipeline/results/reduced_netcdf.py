@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from heavylift.modal.stiffening import PRODUCTS
 from heavylift.pipeline.results.model_io import INTEGRAL_UNITS, replacing_hdf5
 from heavylift.preprocess.hydrodynamics.netcdf_files import write_variables
 
@@ -33,6 +34,9 @@ CONVENTIONS = {
     "position_mode int x_k phi_l; mode_mode int phi_k phi_l, all by mass",
     "interfaces": "point, displacement and rotation of the place; interface_forces and interface_moments spread six "
     "unit loads (force x, y, z, moment x, y, z) over the nodes of the group, entry by entry",
+    "stiffening": "geometric stiffness, added to the modal stiffness: stiffening_linear times acceleration of the "
+    "frame minus gravity; stiffening_angular times angular acceleration; stiffening_loads times forces and moments; of "
+    "an angular velocity w, with E = stiffening_second_moments: w^2 (E_11 + E_22 + E_33) - sum w_k w_l E_kl",
     "elements": "zero-based nodes in the order of VTK, by kind",
 }
 """Attributes of the file."""
@@ -55,6 +59,10 @@ _UNITS = {
     "interface_node": "1",
     "interface_forces": "1, 1/m",
     "interface_moments": "m, 1",
+    "stiffening_second_moments": "1",
+    "stiffening_angular": "1",
+    "stiffening_linear": "1/m",
+    "stiffening_loads": "1/(N s^2), 1/(N m s^2)",
     **INTEGRAL_UNITS,
 }
 
@@ -106,6 +114,20 @@ def write_reduced_netcdf(
     variables |= {key: (along[key], value) for key, value in body.integrals._asdict().items()}
     if body.interfaces:
         _add_interfaces(axes, variables, body.interfaces)
+    if body.stiffening is not None:
+        axes["axes_of_second_moment"] = [f"{k + 1}{l + 1}" for k, l in PRODUCTS]
+        square = ("vector", "vector")
+        variables |= {
+            "stiffening_second_moments": (
+                ("axes_of_second_moment", *square),
+                body.stiffening.second_moments,
+            ),
+            "stiffening_angular": (("axis", *square), body.stiffening.angular),
+            "stiffening_linear": (("axis", *square), body.stiffening.linear),
+        }
+        if body.stiffening.labels:
+            axes["stiffening_load"] = list(body.stiffening.labels)
+            variables["stiffening_loads"] = (("stiffening_load", *square), body.stiffening.loads)
     units = dict(_UNITS)
     for kind, elements in _elements(body).items():
         axes |= {kind: np.arange(len(elements)), f"{kind}_corner": np.arange(elements.shape[1])}

@@ -36,7 +36,7 @@ def _lines(data: StandardInput, name: str) -> Iterator[str]:
     version = metadata.version("heavylift")
     named = ", ".join(node.name for node in data.nodes if node.name)
     words = f"body {name}, SI units, by heavylift {version}" + (f"; nodes: {named}" if named else "")
-    yield f"{len(data.nodes):6d} {modes:6d} Geo_Stiff= no  {words}"
+    yield f"{len(data.nodes):6d} {modes:6d} Geo_Stiff= {'yes' if data.geometric else 'no'}  {words}"
     yield "part"
     yield "new modal"
     yield "  refmod"

@@ -17,7 +17,15 @@ if TYPE_CHECKING:
     import h5py
     from numpy.typing import NDArray
 
-__all__ = ["BodyStress", "GroupStress", "PartEnvelope", "read_stress", "stress_digest_of", "write_stress"]
+__all__ = [
+    "BodyStress",
+    "GroupStress",
+    "PanelStress",
+    "PartEnvelope",
+    "read_stress",
+    "stress_digest_of",
+    "write_stress",
+]
 
 _FORMAT = "heavylift stress 1"
 _REMEDY = "make it with `heavylift report CASE --force`"
@@ -138,6 +146,41 @@ class GroupStress:
 
 
 @dataclass(frozen=True, eq=False)
+class PanelStress:
+    """Rectangular plates between stiffeners and other plates.
+
+    Attributes
+    ----------
+    group
+        Names of their properties.
+    centre
+        In coordinates of the geometry [m], shape (np, 3).
+    length, width, thickness
+        a >= b and t [m], shape (np,).
+    stress
+        Mean sigma_x along a, sigma_y and tau at each record [Pa], tension positive, shape (records, np, 3).
+    use
+        Utilisation by buckling at each record, shape (records, np).
+    """
+
+    group: tuple[str, ...]
+    centre: NDArray[np.float64]
+    length: NDArray[np.float64]
+    width: NDArray[np.float64]
+    thickness: NDArray[np.float64]
+    stress: NDArray[np.float32]
+    use: NDArray[np.float32]
+
+    def of(self, name: str) -> NDArray[np.int64]:
+        """Numbers of the panels of a group; InputError if it has none."""
+        found = np.flatnonzero([one == name for one in self.group])
+        if not found.size:
+            groups = ", ".join(dict.fromkeys(self.group)) or "there are none"
+            raise InputError(f"{name!r} has no plate panels", expected=f"a group that has: {groups}")
+        return found
+
+
+@dataclass(frozen=True, eq=False)
 class BodyStress:
     """Stress of a flexible body over a run.
 
@@ -157,6 +200,8 @@ class BodyStress:
         These loads at each record, shape (records, k).
     notes
         What is to be known, one sentence each.
+    panels
+        Of plates; None if they are not asked for.
     """
 
     times: NDArray[np.float64]
@@ -166,6 +211,7 @@ class BodyStress:
     correction: NDArray[np.float64]
     loads: NDArray[np.float64]
     notes: tuple[str, ...] = field(default=())
+    panels: PanelStress | None = None
 
     def corrected(
         self,
@@ -197,6 +243,10 @@ class BodyStress:
 
 _UNITS = {
     "times": "s",
+    "centre": "m",
+    "length": "m",
+    "width": "m",
+    "stress": "Pa",
     "largest": "Pa",
     "highest": "Pa",
     "lowest": "Pa",
@@ -218,9 +268,8 @@ def write_stress(path: Path, stress: BodyStress, digest: str) -> None:
         for key in ("times", "correction", "loads"):
             _write(file, key, getattr(stress, key))
         groups = file.create_group("groups")
-        for name, group in stress.groups.items():
-            _write_entry(groups.create_group(name), group)
-        file.attrs["groups"] = json.dumps(list(stress.groups))
+        for number, group in enumerate(stress.groups.values()):
+            _write_entry(groups.create_group(f"{number:06d}"), group)
         spots = file.create_group("hot_spots")
         for name, history in stress.hot_spots.items():
             spots.create_dataset(name, data=history).attrs["unit"] = "Pa"
@@ -228,6 +277,12 @@ def write_stress(path: Path, stress: BodyStress, digest: str) -> None:
         parts = file.create_group("parts")
         for number, part in enumerate(stress.parts):
             _write_entry(parts.create_group(f"{number:06d}"), part)
+        if stress.panels is not None:
+            panels = file.create_group("panels")
+            panels.attrs["group"] = json.dumps(stress.panels.group)
+            for key, value in vars(stress.panels).items():
+                if key != "group":
+                    _write(panels, key, value)
 
 
 def read_stress(path: Path) -> BodyStress:
@@ -235,18 +290,22 @@ def read_stress(path: Path) -> BodyStress:
     with open_hdf5(path, _REMEDY) as file:
         if file.attrs.get("format") != _FORMAT:
             raise InputError("is no file of stress", source=path, expected=f"a {_FORMAT!r}; {_REMEDY}")
+        entries = [GroupStress(**_read_entry(group)) for group in file["groups"].values()]
         return BodyStress(
             times=file["times"][()],
             correction=file["correction"][()],
             loads=file["loads"][()],
             notes=tuple(json.loads(file.attrs["notes"])),
-            groups={
-                name: GroupStress(**_read_entry(file["groups"][name]))
-                for name in json.loads(file.attrs["groups"])
-            },
+            groups={group.name: group for group in entries},
             hot_spots={name: file["hot_spots"][name][()] for name in json.loads(file.attrs["hot_spots"])},
             parts=tuple(PartEnvelope(**_read_entry(part)) for part in file["parts"].values()),
+            panels=_read_panels(file["panels"]) if "panels" in file else None,
         )
+
+
+def _read_panels(group: h5py.Group) -> PanelStress:
+    values: dict[str, Any] = {key: dataset[()] for key, dataset in group.items()}
+    return PanelStress(group=tuple(json.loads(group.attrs["group"])), **values)
 
 
 def stress_digest_of(path: Path) -> str:

@@ -15,10 +15,12 @@ What is understood:
 * *materials*: ``*MATERIAL`` with ``*ELASTIC`` (isotropic; of a table over temperature the first row) and
   ``*DENSITY``; ``*SOLID SECTION``. Plastic, viscous and thermal properties are left out, and reported.
 
-Left out, and reported: constraints, contacts and loads; masses (nonstructural ones too), springs, dashpots, gaps
-and couplings; shells, beams and plane elements without a section, which meshers write for groups; sections of no set.
-What is refused when a body is taken, with type and number: shells, beams, trusses, membranes, plane and axisymmetric
-elements, solids with 4, 5, 6, 15 or 27 nodes, orthotropic and hyperelastic materials.
+Plates, beams, masses and rigid elements are read by `abaqus_frame`.
+
+Left out, and reported: constraints, contacts and loads; springs, dashpots and gaps; beside solids, shells, beams and
+plane elements without a section, which meshers write for groups; sections of no set. What is refused when a body of
+solids is taken, with type and number: shells, beams, trusses, membranes, plane and axisymmetric elements, solids with
+4, 5, 6, 15 or 27 nodes, orthotropic and hyperelastic materials.
 
 Sources: Abaqus Analysis User's Guide, *Input syntax rules*; G. Dhondt, *CalculiX CrunchiX User's Manual*, version 2.21.
 """
@@ -351,6 +353,19 @@ _CONSTRAINTS = {
     "SUBMODEL",
     "TIE",
 }
+# what says nothing of a body
+_SILENT = {
+    "HEADING",
+    "PREPRINT",
+    "STEP",
+    "ENDSTEP",
+    "RESTART",
+    "OUTPUT",
+    "NODEOUTPUT",
+    "ELEMENTOUTPUT",
+    "NODEFILE",
+    "ELFILE",
+}
 # generators and other ways to say a mesh, which are not read
 _GENERATORS = {
     "NGEN": "nodes",
@@ -417,6 +432,7 @@ class _Reader:
         self.held: list[tuple[str, int, int]] = []
         self.sectors = ""
         self.extra: Counter[str] = Counter()
+        self.unread: Counter[str] = Counter()
         self.unknown_sets: dict[str, None] = {}
         self.system: tuple[NDArray[np.float64], NDArray[np.float64]] | None = None
         self.in_steps = False
@@ -455,6 +471,10 @@ class _Reader:
             )
         if key == "STEP":
             self.in_steps = True
+        of_material = self.material is not None and key in {*_NONLINEAR, *_NOT_LINEAR}
+        known = key in self.verbs or key in FRAME_KEYWORDS or of_material
+        if (self.in_steps or not known) and key not in _CONSTRAINTS | _SILENT:
+            self.unread[card.shown] += 1
         if self.in_steps:
             return
         if key in _GENERATORS:

@@ -26,7 +26,13 @@ import numpy as np
 
 from heavylift.numerics.outcome import InputError
 from heavylift.preprocess.finite_elements.deck import DeckMaterial, deck_number
-from heavylift.preprocess.finite_elements.deck_parts import DeckBeams, DeckFrame, DeckPlates
+from heavylift.preprocess.finite_elements.deck_parts import (
+    DeckBeams,
+    DeckFrame,
+    DeckPlates,
+    element_sizes,
+    with_extra_mass,
+)
 from heavylift.preprocess.structures.bar_shapes import BAR_SHAPES
 from heavylift.preprocess.structures.sections import BeamSection, centroid, rectangles_section, round_section
 from heavylift.preprocess.structures.structure import Average, PointMass, RigidLink, Tie
@@ -200,6 +206,7 @@ class FrameMaker:
             refused,
             tuple(note for note in (*self._words(), without, *notes) if note),
             tuple(instead),
+            frozenset({"MASS", "ROTARYI"}),
         )
 
     def _words(self) -> list[str]:
@@ -212,7 +219,11 @@ class FrameMaker:
         solids = Counter({block.name: len(block.labels) for block in self.all.blocks if block.kind})
         cards = Counter(f"*{card.shown}" for one in self.all.placed for card in one.part.frame_cards)
         read = {**elements, **solids, **cards}
-        return [f"read: {', '.join(f'{n} {name}' for name, n in sorted(read.items()))}"]
+        words = [f"read: {', '.join(f'{n} {name}' for name, n in sorted(read.items()))}"]
+        left = self.all.reader.unread
+        if left:
+            words.append(f"left out: {', '.join(f'{n} *{key}' for key, n in sorted(left.items()))}")
+        return words
 
     # -- plates --
 
@@ -494,30 +505,7 @@ class FrameMaker:
                 self._add_mass(card, own, plates, beams, extra)
         if not any_found:
             return plates, beams
-        split: list[DeckPlates] = []
-        for plate in plates:
-            for value in np.unique(extra[plate.index]):
-                some = extra[plate.index] == value
-                split.append(
-                    replace(
-                        plate,
-                        index=plate.index[some],
-                        nodes=plate.nodes[some],
-                        thickness=plate.thickness[some],
-                        offset=plate.offset[some],
-                        nonstructural_mass=plate.nonstructural_mass + float(value),
-                    )
-                )
-        bars: list[DeckBeams] = []
-        for beam in beams:
-            for value in np.unique(extra[beam.index]):
-                some = extra[beam.index] == value
-                section = beam.section
-                if section is not None:
-                    section = replace(section, nonstructural_mass=section.nonstructural_mass + float(value))
-                keys = ("index", "nodes", "orientation", "offset_a", "offset_b", "released")
-                bars.append(replace(beam, section=section, **{key: getattr(beam, key)[some] for key in keys}))
-        return split, bars
+        return with_extra_mass(plates, beams, extra)
 
     def _add_mass(
         self,
@@ -554,11 +542,11 @@ class FrameMaker:
             for plate in plates:
                 rho = 1.0 if by_volume else self.density.get(plate.material, 0.0)
                 per[plate.index] = rho * plate.thickness
-                size[plate.index] = _areas(points[plate.nodes])
+                size[plate.index] = element_sizes(plate, points)
             for beam in beams:
                 rho = 1.0 if by_volume else self.density.get(beam.material, 0.0)
                 per[beam.index] = rho * (beam.section.area if beam.section else 0.0)
-                size[beam.index] = np.linalg.norm(points[beam.nodes[:, 1]] - points[beam.nodes[:, 0]], axis=1)
+                size[beam.index] = element_sizes(beam, points)
             total = float((per * size)[own].sum())
             if not total > 0.0:
                 card.fail("its elements have no mass to share it by", "elements with density and thickness")
@@ -684,6 +672,11 @@ class FrameMaker:
             if not numbers or len(numbers) != len([word for word in words if word]):
                 card.fail(f"{', '.join(words)!r}", "degrees of freedom 1 to 6: first, last", (file, line))
             found[numbers[0] - 1 : numbers[-1]] = True
+        whole = all(part.all() or not part.any() for part in (found[:3], found[3:]))
+        if not whole and self.all.reader.unread["TRANSFORM"]:
+            card.fail(
+                "single directions beside *TRANSFORM", "all displacements or all rotations, or global axes"
+            )
         return found
 
     def _kinematic(self, scope: Scope, place: int, card: Card, links: list[RigidLink]) -> None:
@@ -707,7 +700,12 @@ class FrameMaker:
     def _rigid_body(self, scope: Scope, place: int, card: Card, links: list[RigidLink]) -> None:
         node = self._reference(scope, place, card)
         at = (card.file, card.line)
-        for key, count in (("ELSET", 6), ("TIENSET", 6), ("PINNSET", 3)):
+        keys = (("ELSET", 6), ("NSET", 6), ("TIENSET", 6), ("PINNSET", 3))  # NSET: CalculiX
+        if not any(key in card.parameters for key, _ in keys):
+            card.fail("no set of nodes or elements", "ELSET, TIE NSET or PIN NSET")
+        if "ROTNODE" in card.parameters:
+            self.said["*RIGID BODY with a ROT NODE: its rotation is that of the REF NODE here"] += 1
+        for key, count in keys:
             word = card.parameters.get(key)
             if word is None:
                 continue
@@ -762,14 +760,6 @@ def _sections(cards: list[Card]) -> list[_Section]:
 
 def _first(card: Card) -> tuple[Path, int]:
     return (card.data[0][0], card.data[0][1]) if card.data else (card.file, card.line)
-
-
-def _areas(corners: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Areas of triangles or quadrilaterals, shape (ne,)."""
-    a = corners[:, 2] - corners[:, 0]
-    b = corners[:, 3] - corners[:, 1] if corners.shape[1] == 4 else corners[:, 1] - corners[:, 0]
-    areas: NDArray[np.float64] = 0.5 * np.linalg.norm(np.cross(a, b), axis=1)
-    return areas
 
 
 def _shaped(shape: str, values: list[float], name: str) -> tuple[BeamSection, NDArray[np.float64]]:

@@ -112,7 +112,7 @@ class _Reader:
         self.sections: dict[int, _Section] = {}
         self.section: _Section | None = None
         self.reals: dict[int, list[float]] = {}
-        self.components: dict[str, tuple[str, list[int]]] = {}
+        self.components: dict[str, tuple[str, list[tuple[int, int]]]] = {}
         self.properties: dict[int, dict[str, float]] = {}
         self.coupled: dict[int, tuple[str, list[int], int]] = {}
         self.equations: dict[str, int] = {}
@@ -176,7 +176,8 @@ class _Reader:
             if verb is not None:
                 if key != "CE":
                     self.counts[key] += 1
-                verb(words)
+                least = {"R": 2, "RMORE": 1, "SECDATA": 2, "SECOFFSET": 2}.get(key, 5)
+                verb(words + [""] * (least - len(words)))
             elif re.fullmatch(r"[A-Z][A-Z0-9]*", key) and key not in {
                 "NUMOFF",
                 "N",
@@ -326,16 +327,16 @@ class _Reader:
         rows = self._rows()
         while len(items) < count:
             items += self._fields(next(rows), width)[: max(count - len(items), 0)]
-        found: list[int] = []
+        found: list[tuple[int, int]] = []  # first and last; a negative number ends a range
         for item in items:
             if item < 0 and found:
-                found += range(found[-1] + 1, -item + 1)
+                found[-1] = (found[-1][0], -item)
             else:
-                found.append(item)
+                found.append((item, item))
         self.components[name] = (kind, found)
 
     def _mpdata(self, words: list[str]) -> None:
-        words = [word for word in words if not word.upper().startswith("R5")]
+        words = [word for word in words if not word.upper().startswith("R5")] + [""] * 4
         # MPDATA, [number,] label, material, location, values
         if words[1].replace("+", "").isdigit():
             del words[1]
@@ -349,13 +350,15 @@ class _Reader:
             self.properties.setdefault(self.whole(material), {})[label.upper()] = self.number(values[0])
 
     def _couple(self, words: list[str]) -> None:
-        """CP,R5.0,DEFI,set,count,label, ... and CP,R5.0,NODE,set?,nodes: sets of equal degrees of freedom."""
-        words = [word for word in words if not word.upper().startswith("R5")]
+        """CP,R5.0,DEFI,set,count,label and CP,R5.0,NODE,nodes, or CP,set,label,nodes: equal degrees of freedom."""
+        words = [word for word in words if not word.upper().startswith("R5")] + [""] * 2
         if words[1].upper() == "DEFI":
             label = words[4].upper() if len(words) > 4 else ""
             self.open_couple = self.whole(words[2])
             self.coupled[self.open_couple] = (label, [], self.at)
         elif words[1].upper() == "NODE":
+            if self.open_couple not in self.coupled:
+                self.fail("CP of nodes without its definition", "CP,R5.0,DEFI before it")
             self.coupled[self.open_couple][1].extend(self.whole(word) for word in words[2:] if word)
         elif len(words) > 3:  # CP,set,label,nodes
             label, _, line = self.coupled.get(self.whole(words[1]), (words[2].upper(), [], self.at))
@@ -364,13 +367,13 @@ class _Reader:
             )
 
     def _equation(self, words: list[str]) -> None:
-        words = [word for word in words if not word.upper().startswith("R5")]
+        words = [word for word in words if not word.upper().startswith("R5")] + [""] * 2
         if words[1].upper() in {"NODE", "HIGH"}:
             return
         self.equations.setdefault(words[2] if words[1].upper() == "DEFI" else words[1], self.at)
 
     def _units(self, words: list[str]) -> None:
-        self.units = ",".join(words[1:])
+        self.units = ",".join(filter(None, words[1:]))
 
     # -- everything together --
 
@@ -397,7 +400,7 @@ class _Reader:
         node_sets: dict[str, NDArray[np.int64]] = {}
         for name, (sort, items) in self.components.items():
             known = row if sort.startswith("NODE") else numbers
-            found = np.array(sorted(known[item] for item in items if item in known), dtype=np.int64)
+            found = _in_ranges(known, items)
             if found.size:
                 (node_sets if sort.startswith("NODE") else element_sets)[name] = found
         for name, found in element_sets.items():
@@ -519,7 +522,14 @@ class _Reader:
             )
         notes += [f"{n} {words}" for words, n in self.said.items() if n]
         return DeckFrame(
-            made_plates, made_beams, tuple(masses), tuple(links), (), self._ties(row), refused, tuple(notes)
+            made_plates,
+            made_beams,
+            tuple(masses),
+            tuple(links),
+            ties=self._ties(row),
+            refused=refused,
+            notes=tuple(notes),
+            also=frozenset({"MASS21", "MPC184"}),
         )
 
     def _of_section(self, label: int, kind: str, user: _Element) -> _Section:
@@ -706,6 +716,17 @@ class _Reader:
         return tuple(Tie(a, b, components, "CP") for (a, b), components in pairs.items())
 
 
+def _in_ranges(known: dict[int, int], ranges: list[tuple[int, int]]) -> NDArray[np.int64]:
+    """Rows of the numbers that are in some ranges, ascending."""
+    labels, rows = (np.array(list(each), dtype=np.int64) for each in (known.keys(), known.values()))
+    order = np.argsort(labels)
+    first, last = np.array(ranges, dtype=np.int64).reshape(-1, 2).T
+    starts = np.searchsorted(labels[order], first, side="left")
+    ends = np.searchsorted(labels[order], last, side="right")
+    inside = [order[a:b] for a, b in zip(starts, ends, strict=True)]
+    return np.unique(rows[np.concatenate([*inside, np.empty(0, dtype=np.int64)])])
+
+
 def _shaped(shape: str, values: list[float], name: str) -> BeamSection:
     """Section of a shape of Ansys about its centroid; axis 2 is z, up in its figures, axis 3 is -y."""
     if shape == "CSOLID":
@@ -721,7 +742,7 @@ def _shaped(shape: str, values: list[float], name: str) -> BeamSection:
         shear = ("I", (w3, w1, w2, t3, t1, t2))
     elif shape == "T":
         w1, w2, t1, t2 = values[:4]
-        shear = ("T", (w1, w2, t1, t2))
+        shear = ("T2", (w1, w2, t1, t2))  # its flange lies below, as VM10 of the verification manual shows
     elif shape == "L":
         w1, w2, t1, t2 = values[:4]
         shear = ("L", (w1, w2, t1, t2))

@@ -387,7 +387,8 @@ class Deck:
         InputError
             What is wrong with one of them, with file and line.
         """
-        return None if self.make_frame is None else self.make_frame()
+        with np.errstate(over="ignore", invalid="ignore"):  # what is not finite is refused with the structure
+            return None if self.make_frame is None else self.make_frame()
 
     def body(
         self,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -9,7 +10,7 @@ import numpy as np
 
 from heavylift.numerics.outcome import InputError
 from heavylift.preprocess.finite_elements.deck import DeckMaterial, material_of
-from heavylift.preprocess.finite_elements.deck_parts import DeckBeams, DeckPlates
+from heavylift.preprocess.finite_elements.deck_parts import DeckBeams, DeckPlates, some_elements
 from heavylift.preprocess.structures.structure import (
     Average,
     Beams,
@@ -77,20 +78,19 @@ def recognised_units(materials: Sequence[DeckMaterial], source: object) -> UnitS
     told: UnitSystem | None = None
     teller = ""
     for one in materials:
-        if not one.young_modulus or not one.density:
+        E, rho = one.young_modulus or 0.0, one.density or 0.0
+        if not (E > 0.0 and rho > 0.0):
             continue
         fits = [
             system
             for system in _SYSTEMS
-            if _SPEEDS[0]
-            <= np.sqrt(one.young_modulus / one.density) * system.length / system.time
-            <= _SPEEDS[1]
-            and _DENSITIES[0] <= one.density * system.mass / system.length**3 <= _DENSITIES[1]
+            if _SPEEDS[0] <= np.sqrt(E / rho) * system.length / system.time <= _SPEEDS[1]
+            and _DENSITIES[0] <= rho * system.mass / system.length**3 <= _DENSITIES[1]
         ]
         if len(fits) != 1:
             raise InputError(
-                f"material {one.name!r} has E = {one.young_modulus:g} and rho = {one.density:g}, "
-                f"sqrt(E/rho) = {np.sqrt(one.young_modulus / one.density):.4g}: like no metal in any usual system",
+                f"material {one.name!r} has E = {E:g} and rho = {rho:g}, "
+                f"sqrt(E/rho) = {np.sqrt(E / rho):.4g}: like no metal in any usual system",
                 source=source,
                 key="length_unit",
                 expected="'length_unit' and 'mass_unit' of the file (steel has 5172 in m and s)",
@@ -259,9 +259,39 @@ def structure_of(
         Elements that a structure cannot have; plates without thickness, beams without section or orientation; units
         that nobody tells; masses and rigid elements that hang on nothing; materials as `material_of`.
     """
-    return _Maker(
-        deck, given or {}, ignore_material, length_unit, mass_unit, plates or {}, beams or {}, source
-    ).structure(elements, part, merge_nodes)
+    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+        made = _Maker(
+            deck, given or {}, ignore_material, length_unit, mass_unit, plates or {}, beams or {}, source
+        ).structure(elements, part, merge_nodes)
+        _check_finite(made)
+    return made
+
+
+def _check_finite(made: Structure) -> None:
+    """Refuse numbers beyond all bounds, as slips of exponents make them."""
+    found: list[tuple[str, list[object]]] = [
+        (part.name, [part.thickness, part.offset, part.nonstructural_mass, part.bending_factor])
+        for part in made.shells
+    ]
+    for beams in made.beams:
+        section = beams.section
+        values: list[object] = [
+            beams.orientation,
+            beams.offset_a,
+            beams.offset_b,
+            section.area,
+            section.torsion,
+        ]
+        values += [section.second_moment_1, section.second_moment_2, section.product, section.shear_centre]
+        found.append((beams.name, [*values, section.nonstructural_mass]))
+    found += [(mass.name, [mass.mass, mass.offset, mass.inertia]) for mass in made.masses]
+    for name, values in found:
+        if not all(np.isfinite(np.asarray(value, dtype=np.float64)).all() for value in values):
+            raise InputError(
+                f"{name}: numbers beyond all bounds", source=made.name, expected="numbers of a structure"
+            )
+    if not np.isfinite(sum(one.mass for one in property_masses(made))):
+        raise InputError("the mass is beyond all bounds", source=made.name, expected="numbers of a structure")
 
 
 class _Maker:
@@ -310,7 +340,7 @@ class _Maker:
                 )
         found = UnitSystem(length or 1.0, mass or 1.0, 1.0, "as given")
         for one in used:
-            if one.young_modulus and one.density:
+            if (one.young_modulus or 0.0) > 0.0 and (one.density or 0.0) > 0.0:
                 try:
                     told = recognised_units([one], self.deck.source)
                 except InputError:
@@ -362,11 +392,13 @@ class _Maker:
             own[one.index].any() and not one.loose for one in _parts(frame.plates, frame.beams)
         )
         plates = [one for one in plates if own[one.index].any() and not (groups and one.loose)]
-        beams = [one for one in beams if own[one.index].any() and not (groups and one.loose)]
+        beams = [
+            one for one in beams if own[one.index].any() and not (one.loose and (groups or one.optional))
+        ]
         taken = solid.copy()
         for one in _parts(plates, beams):
             taken[one.index] = own[one.index]
-        self._refuse_others(own & ~taken)
+        self._refuse_others(own & ~taken, bool(solid.any()))
         rows = self._merged(own & taken, plates, beams, merge_nodes)
         if part is not None:
             taken = self._part(taken & own, plates, beams, rows, part)
@@ -385,7 +417,8 @@ class _Maker:
                     if inside.all():
                         split.append(replace(one, name=name, loose=False))
                     elif inside.any():
-                        split += [_some(one, ~inside), replace(_some(one, inside), name=name, loose=False)]
+                        split += [some_elements(one, ~inside)]
+                        split.append(replace(some_elements(one, inside), name=name, loose=False))
                     else:
                         split.append(one)
                 if not any(one.name == name for one in split):
@@ -415,16 +448,20 @@ class _Maker:
         members[known[name.upper()]] = True
         return members
 
-    def _refuse_others(self, others: NDArray[np.bool_]) -> None:
+    def _refuse_others(self, others: NDArray[np.bool_], have_solids: bool) -> None:
         wrong = []
         for block, start in _blocks(self.deck):
             own = np.flatnonzero(others[start : start + len(block.labels)])
-            if own.size and not block.harmless and not self._is_loose(start + own):
+            # of meshes without properties: plates with middle nodes, where they are no groups of solids
+            curved = not have_solids and re.fullmatch(r"'?(triangle[67]|quad[89])'?", block.name)
+            if own.size and (curved or (not block.harmless and not self._is_loose(start + own))):
                 wrong.append((block, own.size, block.labels[own[0]]))
-            elif own.size and block.words:
+            elif own.size and block.name.strip("'") == "line":
+                self.notes.append(f"left out: {own.size} lines without a section, which are groups")
+            elif own.size and block.words and block.name not in self.frame.also:
                 self.notes.append(f"left out: {own.size} {block.words} {block.name}")
         if wrong:
-            words = ", ".join(f"{n} {block.words} {block.name}" for block, n, _ in wrong)
+            words = ", ".join(f"{n} {block.words or 'cells'} {block.name}" for block, n, _ in wrong)
             raise InputError(
                 f"contains {words} (first: element {wrong[0][2]})",
                 source=self.deck.source,
@@ -589,7 +626,11 @@ class _Maker:
             centre = np.sum([one.mass * one.centre for one in parts], axis=0) / total
             at = ", ".join(f"{x:.6f}" for x in centre)
             words.append(f"mass {total:.7g} kg, centre ({at}) m")
-            words.append("mass by property: " + ", ".join(f"{one.name} {one.mass:.6g} kg" for one in parts))
+            by_name: dict[str, float] = {}
+            for one in parts:  # quadrilaterals and triangles of a property
+                by_name[one.name] = by_name.get(one.name, 0.0) + one.mass
+            shares = (f"{name} {mass:.6g} kg" for name, mass in by_name.items())
+            words.append(f"mass by property: {', '.join(shares)}")
         return words
 
     def _node_numbers(self, kept: NDArray[np.int64]) -> NDArray[np.int64]:
@@ -832,12 +873,6 @@ class _Maker:
         )
 
 
-def _some(one: DeckPlates | DeckBeams, own: NDArray[np.bool_]) -> DeckPlates | DeckBeams:
-    """Some elements of a property."""
-    keys = ("index", "nodes", "thickness", "offset", "orientation", "offset_a", "offset_b", "released")
-    return replace(one, **{key: getattr(one, key)[own] for key in keys if hasattr(one, key)})
-
-
 def _scaled(section: BeamSection, units: UnitSystem) -> BeamSection:
     """Section in SI units."""
     s = units.length
@@ -886,7 +921,7 @@ def property_masses(structure: Structure) -> list[PropertyMass]:
             normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
             middle = corners.mean(axis=1)
         area = 0.5 * np.linalg.norm(normal, axis=1)
-        unit = normal / (2.0 * area)[:, None]
+        unit = normal / np.maximum(2.0 * area, 1e-300)[:, None]
         thickness = np.broadcast_to(shell.thickness, area.shape)
         offset = np.broadcast_to(shell.offset, area.shape)
         mass = area * (shell.material.density * thickness + shell.nonstructural_mass)

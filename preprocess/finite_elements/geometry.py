@@ -13,7 +13,7 @@ import numpy as np
 from heavylift.numerics.hdf5_files import check_hdf5, is_hdf5
 from heavylift.numerics.outcome import InputError
 from heavylift.preprocess.finite_elements.deck import DECK_SUFFIXES, Deck, ElementBlock
-from heavylift.preprocess.finite_elements.deck_parts import DeckBeams, DeckFrame, DeckPlates
+from heavylift.preprocess.finite_elements.deck_parts import loose_frame
 from heavylift.preprocess.finite_elements.gmsh_session import gmsh_session, mesh_tetrahedra
 from heavylift.preprocess.finite_elements.groups import NodeSelector, select_nodes
 from heavylift.preprocess.finite_elements.mesh import Mesh
@@ -31,7 +31,6 @@ __all__ = [
     "MESH_SUFFIXES",
     "STEP_SUFFIXES",
     "existing_file",
-    "loose_frame",
     "read_deck",
     "read_mesh",
     "read_step",
@@ -218,6 +217,13 @@ def read_deck(path: Path, root: Path | None = None) -> Deck:
         A missing or unreadable file.
     """
     existing_file(path, "a mesh file")
+    with np.errstate(
+        over="ignore", invalid="ignore"
+    ):  # positions that are not finite are refused with the body
+        return _read_deck(path, root)
+
+
+def _read_deck(path: Path, root: Path | None) -> Deck:
     suffix = path.suffix.lower()
     if suffix == ".inp":
         from heavylift.preprocess.finite_elements.abaqus_deck import read_abaqus_deck
@@ -329,51 +335,6 @@ def _deck_of_meshio(raw: Any, path: Path) -> Deck:
         index,
         make_frame=lambda: loose_frame([(block.type, np.asarray(block.data)) for block in raw.cells]),
     )
-
-
-def loose_frame(cells: Sequence[tuple[str, NDArray[np.int64]]]) -> DeckFrame:
-    """Plates and beams of cells that have no property: what they are a case says by group.
-
-    Parameters
-    ----------
-    cells
-        Type as meshio calls it and nodes, of all blocks of a deck in their order.
-    """
-    plates, beams = [], []
-    start = 0
-    for kind, nodes in cells:
-        count = len(nodes)
-        index = np.arange(start, start + count)
-        start += count
-        if kind in {"triangle", "quad"}:
-            plates.append(
-                DeckPlates(
-                    name=kind,
-                    index=index,
-                    nodes=np.asarray(nodes, dtype=np.int64),
-                    material=-1,
-                    thickness=np.full(count, np.nan),
-                    offset=np.zeros(count),
-                    loose=True,
-                )
-            )
-        elif kind == "line":
-            zeros = np.zeros((count, 3))
-            beams.append(
-                DeckBeams(
-                    name=kind,
-                    index=index,
-                    nodes=np.asarray(nodes, dtype=np.int64),
-                    material=-1,
-                    section=None,
-                    orientation=np.full((count, 3), np.nan),
-                    offset_a=zeros,
-                    offset_b=zeros,
-                    released=np.zeros((count, 12), dtype=bool),
-                    loose=True,
-                )
-            )
-    return DeckFrame(tuple(plates), tuple(beams))
 
 
 def _file_elements(raw: Any) -> dict[str, NDArray[np.int64]]:

@@ -2,7 +2,10 @@
 
 * CalculiX, ``*FREQUENCY, SOLVER=MATRIXSTORAGE``: ``job.sti`` and ``job.mas`` with lines ``row column value`` of one
   triangle, and ``job.dof``, whose lines ``node.direction`` say what a row is. Held degrees of freedom have no row.
-* Abaqus, ``*MATRIX OUTPUT, FORMAT=MATRIX INPUT``: two files of lines ``node, direction, node, direction, value``.
+* Abaqus, ``*MATRIX OUTPUT, FORMAT=MATRIX INPUT``: two files of lines ``node, direction, node, direction, value``;
+* Abaqus, ``FORMAT=COORDINATE`` (``.mtx``): lines ``row column value``, of free bodies. The files do not say what a row
+  is: rows are taken as directions 1, 2, 3 of the nodes in the order of their numbers, and the six rigid motions must
+  then be free.
 
 Sources: G. Dhondt, *CalculiX CrunchiX User's Manual*, version 2.21, ``*FREQUENCY``; Abaqus Analysis User's Guide,
 *Generating structural matrices*.
@@ -36,6 +39,7 @@ if TYPE_CHECKING:
 
 __all__ = ["read_matrices"]
 
+_RIGID = 1e-6  # of the largest stiffness: forces of rigid motions
 _SAME = 1e-6  # of the largest mass: masses of a node in its three directions
 
 
@@ -58,7 +62,7 @@ def read_matrices(
     stiffness, mass
         Files of the matrices.
     degrees
-        File that names the rows; needed if the matrices have lines of three numbers.
+        File that names the rows; without it rows of a coordinate format (``.mtx``) are those of the nodes in order.
     length_unit, mass_factor, stiffness_factor
         Metres, kilograms and N/m per unit of the files.
 
@@ -78,6 +82,11 @@ def read_matrices(
     notes = list(deck.notes)
     label_row, twice = _node_rows(deck)
     names = None if degrees is None else _degrees(degrees, label_row, twice)
+    by_order = (
+        names is None and stiffness.suffix.lower() == ".mtx" and read_table(stiffness).values.shape[1] == 3
+    )
+    if by_order:
+        names = _ordered_degrees(deck, label_row, twice, stiffness)
     tables = [_entries(path, names, label_row, twice) for path in (stiffness, mass)]
     present = np.unique(np.concatenate([np.concatenate([t.rows, t.columns]) for t in tables]))
     of_elements = [block.nodes.ravel() for block in deck.blocks]
@@ -90,6 +99,11 @@ def read_matrices(
         symmetric_matrix(path, _renumbered(table, new_row), used.size, notes)
         for path, table in zip((stiffness, mass), tables, strict=True)
     )
+    if by_order:
+        _check_rigid(K, deck.points[used], stiffness)
+        notes.append(
+            "rows of the matrices are taken as directions 1, 2, 3 of the nodes in the order of their numbers"
+        )
     if fixed.size:
         notes.append(f"{fixed.size} nodes have no row: clamped in the file, and their mass is not in it")
     model = FEModel(
@@ -180,6 +194,43 @@ def _degrees(
             )
         found.append(3 * label_row[label] + int(direction) - 1)
     return np.array(found, dtype=np.int64)
+
+
+def _ordered_degrees(
+    deck: Deck, label_row: Mapping[int, int], twice: Mapping[int, tuple[str, ...]], path: Path
+) -> NDArray[np.int64]:
+    """Degrees of freedom of rows that follow the nodes of elements in the order of their numbers."""
+    used = np.zeros(len(deck.points), dtype=bool)
+    for block in deck.blocks:
+        used[block.nodes.ravel()] = True
+    if twice:
+        _refuse_twice(path, 1, min(twice), twice)
+    rows = np.array(
+        [label_row[label] for label in sorted(label_row) if used[label_row[label]]], dtype=np.int64
+    )
+    if rows.size < used.sum():
+        raise InputError(
+            f"has three numbers a line, and {used.sum() - rows.size} nodes of the deck have no number of their own",
+            source=path,
+            expected=_ONE_INSTANCE,
+        )
+    return (3 * rows[:, None] + np.arange(3)).ravel()
+
+
+def _check_rigid(K: csr_array, nodes: NDArray[np.float64], path: Path) -> None:
+    """Refuse a stiffness that resists rigid motions: rows in another order, or supports."""
+    x = nodes - nodes.mean(axis=0)
+    R = np.zeros((len(x), 3, 6))
+    R[:, range(3), range(3)] = 1.0
+    for k in range(3):
+        R[:, :, 3 + k] = np.cross(np.eye(3)[k], x) / max(float(np.abs(x).max()), 1e-300)
+    largest = float(np.abs(K @ R.reshape(-1, 6)).max())
+    if largest > _RIGID * float(np.abs(K.data).max()):
+        raise InputError(
+            "resists rigid motions if its rows are directions 1, 2, 3 of the nodes in the order of their numbers",
+            source=path,
+            expected="matrices of a free body, with rows in that order; or FORMAT=MATRIX INPUT, which names nodes",
+        )
 
 
 def _entries(

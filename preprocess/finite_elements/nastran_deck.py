@@ -5,16 +5,16 @@ What is understood:
 * *text*: small fields of 8 columns, large fields of 16 (``*``) and free fields with commas, mixed from line to line;
   continuation lines that follow their card, with or without names; comments ``$``; numbers like 1.5-3;
   ``INCLUDE 'file'`` of files below the case folder; what stands before ``BEGIN BULK`` (but
-  ``PARAM, WTMASS``) and after ``ENDDATA`` is passed over;
-* *mesh*: ``GRID`` in basic coordinates (``CP``, ``CD`` 0, also from ``GRDSET``), ``CHEXA`` of 8 and 20
-  and ``CTETRA`` of 10 nodes;
+  ``PARAM, WTMASS`` and ``NSM``) and after ``ENDDATA`` is passed over;
+* *mesh*: ``GRID`` in any coordinate system, with ``GRDSET``; ``CHEXA`` of 8 and 20 and ``CTETRA`` of 10 nodes;
+* plates, bars, masses and rigid elements: `nastran_frame`;
 * *sets*: the elements of a ``PSOLID`` are the set ``PSOLID n``; nodes of ``SPC`` and ``SPC1`` are the group
   ``SPC n``, those of ``SET1`` the group ``SET1 n``;
 * *materials*: ``MAT1``, with ``PARAM, WTMASS`` on its density.
 
 What is refused as text: replicated entries (``=``, ``=(n)``), superelements (``BEGIN SUPER``).
-Left out, and reported: constraints, contacts, masses (``NSM`` too), springs; shells and bars without a property,
-which meshers write for groups. What is refused when a body is taken, with type and number: shells, bars, rods, plane
+Left out, and reported: constraints, contacts, springs; beside solids, shells and bars without a property, which meshers
+write for groups. What is refused when a body of solids is taken, with type and number: shells, bars, rods, plane
 elements, solids of other numbers of nodes, anisotropic and hyperelastic materials.
 
 Source: MSC Nastran Quick Reference Guide, *Bulk Data Entries*.
@@ -217,7 +217,10 @@ def read_nastran_deck(path: Path, root: Path | None = None) -> Deck:
     reader = _Reader()
     for card in _cards(path, root or path.parent):
         if card.name == _SELECTED:
-            reader.nonstructural = card.word(0)
+            selected = card.whole(0, "a set of nonstructural masses")
+            if reader.frame.selected not in {0, selected}:
+                card.fail(f"NSM = {reader.frame.selected} and {selected}", "one set of nonstructural masses")
+            reader.frame.selected = selected
             continue
         reader.take(card)
     if not reader.nodes and not reader.solids and not reader.others:
@@ -247,7 +250,6 @@ class _Reader:
         self.frame = FrameCards()
         self.shear_ratio: dict[int, float] = {}
         self.parameters: dict[str, str] = {}
-        self.nonstructural = ""
         self.verbs: dict[str, Callable[[Card], None]] = {
             "GRID": self._grid,
             "GRDSET": self._grid_defaults,
@@ -422,7 +424,8 @@ class _Reader:
         materials, number = self._materials(set(index) | of_beams | of_plates)
         notes = []
         notes += [self._constraints(set())] if self.constraints else []
-        notes += [f"left out: {n} nonstructural masses {key}" for key, n in self.masses.items()]
+        extra = [f"left out: {n} nonstructural masses {key}" for key, n in self.masses.items()]
+        notes += extra
         if self.weight != 1.0:
             notes.append(f"densities are multiplied by WTMASS = {self.weight:g}")
         material_index = np.array([number.get(key, -1) for key in index], dtype=np.int64)
@@ -442,7 +445,7 @@ class _Reader:
             made = builder.frame()
             notes = [*self._words(), self._constraints(set(self.frame.read)), *made.notes]
             return replace(
-                made, notes=tuple(note for note in notes if note), instead=(self._constraints(set()),)
+                made, notes=tuple(note for note in notes if note), instead=(self._constraints(set()), *extra)
             )
 
         return Deck(
@@ -475,11 +478,7 @@ class _Reader:
         for key, what in (("K6ROT", "drilling stiffness"), ("COUPMASS", "the kind of mass")):
             if key in self.parameters:
                 words.append(f"PARAM,{key},{self.parameters[key]} is left out: {what} is chosen here")
-        if self.nonstructural:
-            words.append(
-                f"case control has NSM = {self.nonstructural}: this mass is not read, give it in the case"
-            )
-        elif self.masses:
+        if self.masses and not self.frame.selected:
             words.append("case control selects no NSM: entries of nonstructural mass do not count")
         return words
 
@@ -510,7 +509,9 @@ class _Reader:
         return np.array(list(found.values()), dtype=np.float64).reshape(-1, 3)
 
     def _displacement_system(self, label: int) -> int:
-        """CD of a node."""
+        """CD of a node; 0 of one that does not exist, which is said where it is looked for."""
+        if label not in self.nodes:
+            return 0
         card = self.nodes[label][1]
         if not card.word(5):
             return max(self.default_systems[1], 0)

@@ -8,7 +8,8 @@ What is read:
 * ``CBAR`` (``PBAR``, ``PBARL``, ``BAROR``), ``CBEAM`` (``PBEAM``, ``PBEAML`` of one section, ``BEAMOR``), ``CROD``
   (``PROD``) and ``CONROD``: orientation and offsets in the displacement systems of their nodes, ``OFFT``, pins,
   neutral axis;
-* ``CONM2``; ``RBE2``, ``RBE3``, ``RBAR``.
+* ``CONM2``; ``RBE2``, ``RBE3``, ``RBAR``;
+* ``NSM``, ``NSM1``, ``NSML``, ``NSML1``, ``NSMADD`` of plates and beams, if case control selects them.
 
 Source: MSC Nastran Quick Reference Guide, *Bulk Data Entries*.
 """
@@ -24,7 +25,13 @@ import numpy as np
 
 from heavylift.numerics.outcome import InputError
 from heavylift.preprocess.finite_elements.deck import deck_number
-from heavylift.preprocess.finite_elements.deck_parts import DeckBeams, DeckFrame, DeckPlates
+from heavylift.preprocess.finite_elements.deck_parts import (
+    DeckBeams,
+    DeckFrame,
+    DeckPlates,
+    element_sizes,
+    with_extra_mass,
+)
 from heavylift.preprocess.structures.bar_shapes import BAR_SHAPES, ROUND_SHAPES, shape_section
 from heavylift.preprocess.structures.sections import BeamSection
 from heavylift.preprocess.structures.structure import Average, PointMass, RigidLink
@@ -188,7 +195,7 @@ _SHELL_PROPERTIES, _BAR_PROPERTIES = {"PSHELL"}, {"PBAR", "PBARL", "PBEAM", "PBE
 _REFUSED = {
     r"PCOMPG?$": "composite properties",
     r"PBCOMP$": "composite sections",
-    r"(RBE1|RROD|RTRPLT1?|RSPLINE|RSSCON|RJOINT)$": "rigid elements that are not read",
+    r"(RBE1|RBAR1|RROD|RTRPLT1?|RSPLINE|RSSCON|RJOINT)$": "rigid elements that are not read",
     r"CONM1$": "mass matrices of nodes",
 }
 _ALL = np.ones(6, dtype=bool)
@@ -205,6 +212,8 @@ class FrameCards:
         self.rigid: dict[int, Card] = {}
         self.refused: dict[str, list[Card]] = {}
         self.defaults: dict[str, Card] = {}
+        self.extra: list[Card] = []  # of nonstructural mass
+        self.selected = 0  # set of them, by case control
         self.counts: Counter[str] = Counter()
         self.read: Counter[str] = Counter()
 
@@ -231,6 +240,10 @@ class FrameCards:
             self._once(self.masses, card, "element")
         elif name in {"RBE2", "RBE3", "RBAR"}:
             self._once(self.rigid, card, "element")
+        elif re.fullmatch(r"NSM(L?1?|ADD)", name):
+            self.extra.append(card)
+            if not self.selected:
+                return False
         elif name in {"BAROR", "BEAMOR"}:
             self.defaults["CBAR" if name == "BAROR" else "CBEAM"] = card
         else:
@@ -313,13 +326,23 @@ class FrameBuilder:
         made_beams = tuple(
             self._beams(str(key[0]), int(str(key[1])), members) for key, members in beams.items()
         )
+        if self.cards.selected:
+            plates_, beams_ = self._extra_mass(list(made_plates), list(made_beams))
+            made_plates, made_beams = tuple(plates_), tuple(beams_)
         refused = tuple(
             f"{len(found)} {words} (first: line {found[0].line} of {found[0].file.name})"
             for words, found in self.cards.refused.items()
         )
         notes = tuple(f"{count} {words}" for words, count in self.said.items() if count)
         return DeckFrame(
-            made_plates, made_beams, tuple(masses), tuple(links), tuple(averages), (), refused, notes
+            made_plates,
+            made_beams,
+            tuple(masses),
+            tuple(links),
+            tuple(averages),
+            refused=refused,
+            notes=notes,
+            also=frozenset({"CONM2"}),
         )
 
     # -- nodes and axes --
@@ -676,6 +699,62 @@ class FrameBuilder:
 
     # -- masses and rigid elements --
 
+    def _extra_mass(
+        self, plates: list[DeckPlates], beams: list[DeckBeams]
+    ) -> tuple[list[DeckPlates], list[DeckBeams]]:
+        """Plates and beams with the nonstructural mass that case control selects."""
+        sets = {self.cards.selected}
+        for card in self.cards.extra:
+            if card.name == "NSMADD" and card.whole(0, "a set") == self.cards.selected:
+                sets |= {card.whole(k, "a set") for k in range(1, len(card.fields)) if card.word(k)}
+        count = max(self.index.values(), default=-1) + 1
+        size, extra = np.zeros(count), np.zeros(count)
+        by_property: dict[tuple[str, int], list[NDArray[np.int64]]] = {}
+        parts: list[DeckPlates | DeckBeams] = [*plates, *beams]
+        for one in parts:
+            size[one.index] = element_sizes(one, self.points)
+            family, number = one.name.split()
+            by_property.setdefault((family, int(number)), []).append(one.index)
+        for card in self.cards.extra:
+            if card.name == "NSMADD" or card.whole(0, "a set") not in sets:
+                continue
+            kind = re.sub(r"^P(BARL|BEAML?)$", "PBAR", card.word(1).upper())
+            known = {number: parts for (family, number), parts in by_property.items() if family == kind}
+            if kind == "ELEMENT":
+                known = {label: [np.array([k])] for label, k in self.index.items() if size[k]}
+            elif kind not in {"PSHELL", "PBAR", "PROD", "CONROD"}:
+                card.fail(f"of {card.word(1)}", "PSHELL, PBAR, PBARL, PBEAM, PBEAML, PROD, CONROD or ELEMENT")
+            for value, numbers in self._shares(card, known):
+                found = [part for number in numbers for part in known.get(number, [])]
+                own = np.concatenate([*found, np.empty(0, dtype=np.int64)])
+                if not own.size:
+                    card.fail(f"no elements of {kind} {', '.join(map(str, numbers))}", "elements of the deck")
+                # per area or length, or in all
+                extra[own] += self.weight * (
+                    value / size[own].sum() if card.name.startswith("NSML") else value
+                )
+        return with_extra_mass(plates, beams, extra)
+
+    @staticmethod
+    def _shares(card: Card, known: Mapping[int, object]) -> list[tuple[float, list[int]]]:
+        """Values and the numbers that each is for."""
+        if card.name in {"NSM", "NSML"}:
+            places = [k for k in range(2, len(card.fields) - 1, 2) if card.word(k)]
+            return [(card.real(k + 1, "a mass") or 0.0, [card.whole(k, "a number")]) for k in places]
+        numbers: list[int] = []
+        words = [(k, card.word(k).upper()) for k in range(3, len(card.fields)) if card.word(k)]
+        for at, (k, word) in enumerate(words):
+            if word == "ALL":
+                numbers += known
+            elif word == "THRU":
+                if not numbers or at + 1 >= len(words):
+                    card.fail("THRU without numbers", "a number, THRU and a number")
+                last = card.whole(words[at + 1][0], "a number")
+                numbers += [number for number in known if numbers[-1] < number < last]
+            else:
+                numbers.append(card.whole(k, "a number, THRU or ALL"))
+        return [(card.real(2, "a mass") or 0.0, list(dict.fromkeys(numbers)))]
+
     def _mass(self, label: int, card: Card) -> PointMass:
         node = card.whole(1, "a node")
         row = self._node(card, node)
@@ -728,7 +807,7 @@ class FrameBuilder:
                     if word.upper() in {"ALPHA", "TREF"} or re.search(r"[.]", word):
                         break
                     if word.upper() == "THRU":
-                        others += range(others[-1] + 1, card.whole(k + 1, "a node"))
+                        others += self._through(card, others, k)[:-1]
                     elif word:
                         others.append(card.whole(k, "a node"))
                 components = self._components(card, 2, others)
@@ -739,6 +818,13 @@ class FrameBuilder:
             rows = np.array([self._node(card, other) for other in dict.fromkeys(others)])
             links.append(RigidLink(self._node(card, node), rows, components, name))
         return links, averages
+
+    def _through(self, card: Card, nodes: list[int], k: int) -> list[int]:
+        """Nodes behind the last one up to that of the field behind THRU, as far as there are such nodes."""
+        if not nodes:
+            card.fail("THRU without a node before it", "a node, THRU and a node")
+        last = card.whole(k + 1, "a node")
+        return [*(label for label in self.row if nodes[-1] < label < last), last]
 
     def _rbar(self, card: Card) -> tuple[int, list[int], NDArray[np.bool_]]:
         a, b = card.whole(1, "a node"), card.whole(2, "a node")
@@ -776,7 +862,7 @@ class FrameBuilder:
                 k += 2
             else:
                 if word == "THRU":
-                    more = list(range(nodes[-1] + 1, card.whole(k + 1, "a node") + 1))
+                    more = self._through(card, nodes, k)
                     k += 1
                 else:
                     more = [card.whole(k, "a node")]

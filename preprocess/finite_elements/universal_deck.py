@@ -16,7 +16,7 @@ import numpy as np
 
 from heavylift.numerics.outcome import InputError
 from heavylift.preprocess.finite_elements.deck import Deck, ElementBlock, deck_number, deck_text
-from heavylift.preprocess.finite_elements.geometry import loose_frame
+from heavylift.preprocess.finite_elements.deck_parts import loose_frame
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -158,7 +158,8 @@ class _Reader:
                         elements.append(words[k + 1])
 
     def _units(self, at: int, _end: int) -> None:
-        code = self.wholes(at, 1)[0] if re.fullmatch(r"\d+", self.lines[at].split()[0]) else 0
+        match = re.match(r"\s*(\d{1,9})", self.lines[at]) if at < len(self.lines) else None
+        code = int(match[1]) if match else 0
         if code in _UNITS:
             self.notes.append(f"the file says its units: {_UNITS[code]}")
 

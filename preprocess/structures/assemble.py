@@ -42,6 +42,7 @@ __all__ = [
     "element_motion",
     "rotating_nodes",
     "shell_chunks",
+    "shell_groups",
     "shell_operators",
 ]
 
@@ -52,6 +53,8 @@ _RIGID_SHEAR = 1e3
 """Of the ordinary shear stiffness: plates without shear flexibility."""
 _NOTHING = 1e-14
 """Of the largest stiffness of its sort: of a degree of freedom that nothing holds."""
+_INCLINED = 1e-12
+"""Of the largest stiffness of a node against rotation: about an axis that nothing holds."""
 
 
 def assemble_structure(structure: Structure, *, mass: str = "lumped") -> FEModel:
@@ -90,8 +93,7 @@ def assemble_structure(structure: Structure, *, mass: str = "lumped") -> FEModel
     rotation_dofs[rotating] = 3 * (n + np.arange(len(rotating)))
     size = 3 * (n + len(rotating))
     parts = _Parts(structure, rotation_dofs, size)
-    for width in (4, 3):
-        parts.add_shells(width, consistent=mass == "consistent")
+    parts.add_shells(consistent=mass == "consistent")
     parts.add_beams(consistent=mass == "consistent")
     parts.add_solids(consistent=mass == "consistent")
     if structure.masses:
@@ -149,6 +151,15 @@ def rotating_nodes(structure: Structure) -> NDArray[np.int64]:
             if np.any(tie.components[3:]) and turning[pair].any():
                 turning[pair[bare[pair]]] = True
     return np.flatnonzero(turning)
+
+
+def shell_groups(structure: Structure) -> list[list[Shells]]:
+    """Properties whose matrices have one pattern: quadrilaterals or triangles, that bend or do not."""
+    groups: dict[tuple[int, bool], list[Shells]] = {}
+    for part in structure.shells:
+        if len(part.elements):
+            groups.setdefault((part.elements.shape[1], part.bends), []).append(part)
+    return list(groups.values())
 
 
 def shell_operators(
@@ -252,26 +263,17 @@ class _Parts:
         self._positions: list[NDArray[np.float64]] = []
         self._masses: list[NDArray[np.float64]] = []
 
-    def add_shells(self, width: int, *, consistent: bool) -> None:
-        """Add all quadrilaterals, or all triangles."""
-        chosen = [part for part in self.structure.shells if part.elements.shape[1] == width]
-        bending = [part for part in chosen if part.bends]
-        if bending:
-            pattern = NodePattern(
-                _blocks(self.rotation_dofs, np.concatenate([part.elements for part in bending])),
-                self.size // 3,
-            )
-            matrix = BlockMatrix(pattern)
+    def add_shells(self, *, consistent: bool) -> None:
+        """Add all plates."""
+        for group in shell_groups(self.structure):
+            elements = np.concatenate([part.elements for part in group])
+            blocks = _blocks(self.rotation_dofs, elements) if group[0].bends else elements
+            matrix = BlockMatrix(NodePattern(blocks, self.size // 3))
             first = 0
-            for shells in bending:
+            for shells in group:
                 self._add_property(matrix, first, shells, consistent=consistent)
                 first += len(shells.elements)
             self._matrices.append(matrix.tocsr())
-        for shells in chosen:
-            if not shells.bends:  # no rotations: blocks of displacements only
-                matrix = BlockMatrix(NodePattern(shells.elements, self.size // 3))
-                self._add_property(matrix, 0, shells, consistent=consistent)
-                self._matrices.append(matrix.tocsr())
 
     def _add_property(self, matrix: BlockMatrix, first: int, shells: Shells, *, consistent: bool) -> None:
         for part, elements, operators, thickness, offset in shell_chunks(self.structure, shells):
@@ -376,10 +378,11 @@ def _without_stiffness(
     Raises
     ------
     InputError
-        Displacements that nothing holds; rotations of rigid masses that nothing holds.
+        Displacements that nothing holds; rotations of rigid masses, or about an inclined axis, that nothing holds.
     """
     n = structure.node_count
     free = np.arange(stiffness.shape[0])
+    constraint = None
     diagonal = stiffness.diagonal()
     squares = points.operator.power(2)
     if following is not None:
@@ -390,6 +393,7 @@ def _without_stiffness(
     loose = np.zeros(len(free), dtype=bool)
     for sort in (turns, ~turns):
         loose[sort] = diagonal[sort] <= _NOTHING * diagonal[sort].max(initial=0.0)
+    _refuse_inclined(structure, rotation_dofs, stiffness, constraint, free, loose)
     if not loose.any():
         return np.empty(0, dtype=np.int64), ()
     inertia = np.asarray(squares.T @ np.repeat(np.abs(points.masses), 3)).ravel()
@@ -409,3 +413,56 @@ def _without_stiffness(
         f"{len(held)} rotations of {np.unique(node_of[held]).size} nodes are held, as nothing else holds them"
     )
     return held, (note,)
+
+
+def _refuse_inclined(
+    structure: Structure,
+    rotation_dofs: NDArray[np.int64],
+    stiffness: csr_array,
+    constraint: csr_array | None,
+    free: NDArray[np.int64],
+    loose: NDArray[np.bool_],
+) -> None:
+    """Refuse nodes that turn freely about an inclined axis, as those that rigid links join to a line of solid nodes.
+
+    `loose` are the free degrees of freedom that have no stiffness at all.
+    """
+    suspect = rotation_dofs >= 0
+    for shells in structure.shells:
+        if shells.bends:
+            suspect[shells.elements] = False
+    for beams in structure.beams:
+        if not np.any(beams.released):
+            suspect[beams.elements] = False
+    place = np.full(stiffness.shape[0], -1, dtype=np.int64)
+    place[free] = np.arange(len(free))
+    nodes = np.flatnonzero(suspect)
+    columns = place[rotation_dofs[nodes][:, np.newaxis] + np.arange(3)]
+    nodes, columns = nodes[(columns >= 0).all(axis=1)], columns[(columns >= 0).all(axis=1)]
+    if not len(nodes):
+        return
+    flat = columns.ravel()
+    own = stiffness[free[flat]][:, free[flat]]
+    if constraint is not None:
+        motion = constraint[:, flat]
+        own = motion.T @ (stiffness @ motion)
+    blocks = np.empty((len(nodes), 3, 3))
+    first = 3 * np.arange(len(nodes))
+    for i in range(3):
+        for j in range(3):
+            blocks[:, i, j] = np.asarray(own[first + i, first + j]).ravel()
+    largest = np.maximum(np.einsum("nii->ni", blocks).max(axis=1), np.finfo(np.float64).tiny)
+    idle = loose[columns]
+    blocks[idle] = 0.0
+    blocks.transpose(0, 2, 1)[idle] = 0.0
+    blocks[:, np.arange(3), np.arange(3)] += idle * largest[:, np.newaxis]
+    values, axes = np.linalg.eigh(blocks)
+    wrong = np.flatnonzero(values[:, 0] <= _INCLINED * largest)
+    if wrong.size:
+        axis = ", ".join(f"{x:.3g}" for x in axes[wrong[0], :, 0])
+        raise InputError(
+            f"turns freely about the axis ({axis}) ({wrong.size} such nodes)",
+            source=structure.name or "structure",
+            key=node_words(structure, int(nodes[wrong[0]])),
+            expected="a rigid link to nodes that are not on one line, or to nodes of plates and beams",
+        )

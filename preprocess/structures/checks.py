@@ -67,6 +67,7 @@ def check_structure(structure: Structure) -> tuple[str, ...]:
     _refuse_parts(structure, joined, size)
     notes += _edge_notes(structure, size)
     notes += _normal_notes(structure)
+    notes += _hinge_notes(structure)
     triangles = sum(len(part.elements) for part in structure.shells if part.elements.shape[1] == 3)
     plates = sum(len(part.elements) for part in structure.shells)
     if triangles > TRIANGLE_SHARE * plates:
@@ -298,6 +299,22 @@ def _on_other_plates(structure: Structure, nodes: NDArray[np.int64], size: float
     near = distances_to_triangles(corners[of], structure.nodes[which]) <= SAME_PLACE * size
     linked = np.unique(_pairs(structure, links_only=True))
     return np.setdiff1d(np.unique(which[near]), linked)
+
+
+def _hinge_notes(structure: Structure) -> list[str]:
+    """Tell of plates and beams on nodes of solids, which pass no moment on."""
+    inside, turning = np.zeros((2, structure.node_count), dtype=bool)
+    for solids in structure.solids:
+        inside[solids.elements] = True
+    for elements in [part.elements for part in structure.shells] + [
+        part.elements for part in structure.beams
+    ]:
+        turning[elements] = True
+    hinged = np.flatnonzero(inside & turning)
+    if not len(hinged):
+        return []
+    what = f"{len(hinged)} nodes of plates or beams are nodes of solids, which have no rotations: no moment passes"
+    return [f"{what}, {_places(structure.nodes[hinged])}; a rigid link or an average passes it on"]
 
 
 def _normal_notes(structure: Structure) -> list[str]:

@@ -141,6 +141,13 @@ def _add_averages(rows: _Rows, structure: Structure, rotation_dofs: NDArray[np.i
         owner = f"average {average.name or count + 1}"
         nodes = np.asarray(average.nodes, dtype=np.int64)
         turning = rotation_dofs[nodes] >= 0
+        if np.any(np.asarray(average.weights) <= 0.0):
+            raise InputError(
+                f"weight {np.min(average.weights):g}",
+                source=structure.name or "structure",
+                key=owner,
+                expected="positive weights",
+            )
         forces, moments = mean_motion(
             structure.nodes[average.node],
             structure.nodes[nodes],

@@ -24,7 +24,7 @@ from heavylift.numerics.outcome import InputError
 from heavylift.preprocess.finite_elements import geometric
 from heavylift.preprocess.finite_elements.elasticity import BlockMatrix, NodePattern
 from heavylift.preprocess.finite_elements.mesh import Mesh
-from heavylift.preprocess.structures.assemble import blocks_of, element_motion, shell_chunks
+from heavylift.preprocess.structures.assemble import blocks_of, element_motion, shell_chunks, shell_groups
 from heavylift.preprocess.structures.beam import beam_operators, skew
 from heavylift.preprocess.structures.shell_operators import MEMBRANE, plane_stress
 
@@ -74,21 +74,28 @@ def geometric_stiffness(
             expected=f"{model.dof_count} finite numbers, those of the degrees of freedom",
         )
     total = csr_array((model.dof_count, model.dof_count))
-    for shells in structure.shells:
-        if shells.stretches and len(shells.elements):
-            matrix = BlockMatrix(
-                NodePattern(blocks_of(model, shells.elements, shells.bends), model.dof_count // 3)
-            )
-            for part, elements, operators, thickness, offset in shell_chunks(structure, shells):
-                moved = element_motion(model, elements, u)
-                matrix.add(part.start, _shell_matrices(shells, operators, thickness, offset, moved))
-            total = csr_array(total + matrix.tocsr())
-    for beams in structure.beams:
-        if len(beams.elements):
-            matrix = BlockMatrix(NodePattern(blocks_of(model, beams.elements), model.dof_count // 3))
-            operators_ = beam_operators(structure.nodes, beams, source=structure.name or "structure")
-            matrix.add(0, _beam_matrices(beams, operators_, element_motion(model, beams.elements, u)))
-            total = csr_array(total + matrix.tocsr())
+    blocks = model.dof_count // 3
+    for group in shell_groups(structure):
+        elements = np.concatenate([part.elements for part in group])
+        matrix = BlockMatrix(NodePattern(blocks_of(model, elements, group[0].bends), blocks))
+        first = 0
+        for shells in group:
+            for part, nodes, operators, thickness, offset in shell_chunks(structure, shells):
+                moved = element_motion(model, nodes, u)
+                own = _shell_matrices(shells, operators, thickness, offset, moved)
+                matrix.add(first + part.start, own)
+            first += len(shells.elements)
+        total = csr_array(total + matrix.tocsr())
+    beams = [part for part in structure.beams if len(part.elements)]
+    if beams:
+        elements = np.concatenate([part.elements for part in beams])
+        matrix = BlockMatrix(NodePattern(blocks_of(model, elements), blocks))
+        first = 0
+        for one in beams:
+            lines = beam_operators(structure.nodes, one, source=structure.name or "structure")
+            matrix.add(first, _beam_matrices(one, lines, element_motion(model, one.elements, u)))
+            first += len(one.elements)
+        total = csr_array(total + matrix.tocsr())
     moved_nodes = u[: 3 * model.node_count].reshape(-1, 3)
     for solids in structure.solids:
         mesh = Mesh(structure.nodes, solids.elements, solids.element_type, name=structure.name)

@@ -44,7 +44,7 @@ def mean_motion(
     positions
         Of the nodes [m], shape (m, 3).
     weights
-        Positive, shape (m,).
+        Positive in sum, shape (m,).
     rotating
         Which nodes have rotations, shape (m,).
     source, key
@@ -59,43 +59,51 @@ def mean_motion(
     Raises
     ------
     InputError
-        Weights that are not positive; nodes on one line, or a single one, that have no rotations.
+        Weights of no positive sum; nodes on one line, or a single one, that have no rotations.
 
     Notes
     -----
-    With ``A_i = [1, -skew(x_i - p)]`` the motion V = (u, theta) of the point minimises ``sum w_i |u_i - A_i V|^2``:
-    ``V = (sum w A^T A)^-1 sum w_i A_i^T u_i``. About the line of nodes that are on one displacements say nothing; then
-    ``sum w_i l^2 |theta_i - theta|^2`` is added, l the size of the group.
+    With the weighted centre c, the arms r from it, and W the sum of weights::
+
+        theta = J^-1 sum w r x u,    u_p = sum w u / W + theta x (p - c),    J = sum w (r^2 1 - r r^T)
+
+    minimise ``sum w |u_i - u_p - theta x (x_i - p)|^2``. About the line of nodes that are on one, displacements say
+    nothing; then ``sum w l^2 |theta_i - theta|^2`` is added, l the length of the group.
     """
     w = np.asarray(weights, dtype=np.float64)
-    if len(w) != len(positions) or not len(w) or not np.all(np.isfinite(w)) or np.any(w <= 0.0):
+    total = float(w.sum())
+    if w.shape != (len(positions),) or not np.all(np.isfinite(w)) or not total > 0.0:
         raise InputError(
-            f"weights {w.tolist()}" if len(w) < 9 else f"{len(w)} weights, {w.min():g} the smallest",
+            f"{len(w)} weights of sum {total:g}",
             source=source,
             key=key,
-            expected=f"{len(positions)} positive weights, one a node of the group",
+            expected=f"{len(positions)} weights, one a node of the group, of a positive sum",
         )
-    arms = positions - point
-    A = rigid_motion(arms)
-    H = np.einsum("m,mki,mkj->ij", w, A, A)
-    spread = positions - w @ positions / w.sum()
-    second = np.einsum("m,mi,mj->ij", w, spread, spread)
-    inertia = np.linalg.eigvalsh(np.trace(second) * np.eye(3) - second)
-    turns = np.zeros((len(w), 3, 6))
-    if inertia[0] * WORST_CONDITION <= inertia[2] or inertia[2] == 0.0:
+    centre = w @ positions / total
+    arms = positions - centre
+    second = (arms * w[:, None]).T @ arms
+    inertia = np.trace(second) * np.eye(3) - second
+    moments_of_inertia = np.linalg.eigvalsh(inertia)
+    turning = np.zeros(len(w))
+    if moments_of_inertia[0] * WORST_CONDITION <= moments_of_inertia[-1]:
         if not rotating.any():
-            x, y, z = positions[0]
+            what = (
+                "one node without rotations"
+                if len(w) == 1
+                else f"{len(w)} nodes without rotations on one line"
+            )
             raise InputError(
-                "is a node without rotations" if len(w) == 1 else "is on one line of nodes without rotations",
+                f"its group is {what}",
                 source=source,
                 key=key,
-                expected="nodes of plates and beams, or nodes of solids that are not on one line, around "
-                f"({x:.6g}, {y:.6g}, {z:.6g}) m: the rotation of the group follows from nothing else",
+                expected="three nodes or more that are not on one line (a node of a solid has no rotation)",
             )
-        size = float(np.ptp(positions, axis=0).max()) or 1.0
-        turned = w * rotating * size**2
-        H[3:, 3:] += turned.sum() * np.eye(3)
-        turns[:, :, 3:] = turned[:, None, None] * np.eye(3)
-    scale = np.sqrt(np.diagonal(H))
-    inverse = np.linalg.inv(H / np.outer(scale, scale)) / np.outer(scale, scale)
-    return w[:, None, None] * np.matmul(A, inverse), np.matmul(turns, inverse)
+        length = float(np.linalg.norm(np.ptp(positions, axis=0))) or 1.0
+        turning = np.where(rotating, w * length**2, 0.0)
+        inertia = inertia + turning.sum() * np.eye(3)
+    # columns: the moment about the centre of each of the six loads
+    about_centre = np.hstack([np.cross(point - centre, np.eye(3)).T, np.eye(3)])
+    rates = np.linalg.solve(inertia, about_centre)  # (3, 6)
+    forces = w[:, None, None] * np.cross(rates.T[None], arms[:, None]).transpose(0, 2, 1)
+    forces[:, :, :3] += w[:, None, None] * np.eye(3) / total
+    return forces, turning[:, None, None] * rates

@@ -237,7 +237,6 @@ def mesh_panels(
         # millimetres inside gmsh, whose tolerances are absolute and made for them
         gmsh.option.setString("Geometry.OCCTargetUnit", "MM")
         gmsh.option.setNumber("Geometry.OCCImportLabels", 1)
-        gmsh.option.setNumber("Geometry.OCCBooleanPreserveNumbering", 0)
         faces = _faces(gmsh, everything, file, scale, name)
         lines = _lines(gmsh, stiffeners)
         face_parts, line_parts = _cut(gmsh, faces, lines)
@@ -536,7 +535,7 @@ def _owners(
         for tag in own:
             if tag in owner:
                 other = plates[owner[tag]].name
-                box = np.array(gmsh.model.getBoundingBox(2, tag)).reshape(2, 3).mean(axis=0)
+                box = np.round(gmsh.model.getBoundingBox(2, tag), 3).reshape(2, 3).mean(axis=0) + 0.0
                 at = ", ".join(f"{x:.6g}" for x in box)
                 raise InputError(
                     f"plates {other!r} and {plates[index].name!r} lie on each other around ({at}) mm",
@@ -567,7 +566,7 @@ def _refuse_loose_lines(
         plate = stiffeners[index].plate
         loose = [tag for tag in own if plate and tag not in curves_of.get(plate, set())]
         if loose:
-            low, high = np.array(gmsh.model.getBoundingBox(1, loose[0])).reshape(2, 3)
+            low, high = np.round(gmsh.model.getBoundingBox(1, loose[0]), 3).reshape(2, 3) + 0.0
             words = " to ".join("(" + ", ".join(f"{x:.6g}" for x in end) + ")" for end in (low, high))
             raise InputError(
                 f"it leaves the plate {plate!r} between {words} mm",

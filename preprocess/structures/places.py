@@ -13,12 +13,22 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-__all__ = ["distances_to_triangles", "nearest_place", "surface_triangles"]
+__all__ = ["distances_to_triangles", "nearest_place", "surface_faces", "surface_triangles"]
 
 _NEWTON_STEPS = 20
 _CORNERS = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
 
 Place = tuple["NDArray[np.int64]", "NDArray[np.float64]", float]
+
+
+def surface_faces(
+    nodes: NDArray[np.float64], shells: Sequence[NDArray[np.int64]], bricks: Sequence[NDArray[np.int64]]
+) -> NDArray[np.int64]:
+    """Plates, triangles with their last node twice, and outer faces of eight-node bricks, shape (nf, 4)."""
+    found = [elements[:, [0, 1, 2, -1]] for elements in shells]
+    if bricks:
+        found.append(Mesh(nodes, np.concatenate(bricks), "hex8").boundary_faces())
+    return np.concatenate([np.empty((0, 4), dtype=np.int64), *found])
 
 
 def surface_triangles(

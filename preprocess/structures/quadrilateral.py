@@ -78,9 +78,8 @@ def quadrilateral_operators(
     patterns that the centre does not see.
     """
     ne = len(corners)
-    centre = corners.mean(axis=1)
     axes = facet_axes(corners)
-    local = np.matmul(corners - centre[:, None], axes.transpose(0, 2, 1))
+    local = np.matmul(corners - corners.mean(axis=1, keepdims=True), axes.transpose(0, 2, 1))
     shape, slopes = _shape(_POINTS)
     J = _jacobians(local, _POINTS)
     detJ: NDArray[np.float64] = np.linalg.det(J)
@@ -114,7 +113,6 @@ def quadrilateral_operators(
         drilling=turned_to_axes(drilling, axes),
         drilling_area=np.concatenate([4.0 * det0[:, None], DRILLING_RATIO * detJ], axis=1),
         axes=axes,
-        centre=centre,
         local=local,
         shape=shape,
         gradient=G.transpose(0, 1, 3, 2),

@@ -42,10 +42,8 @@ class ShellOperators(NamedTuple):
         Weights of its rows [m2], to be taken times G t, shape (ne, m).
     axes
         Rows are the axes 1 and 2 in the plane of the element and its normal, shape (ne, 3, 3).
-    centre
-        Means of the nodes [m], shape (ne, 3).
     local
-        Places of the nodes along the axes from the centre [m], shape (ne, nodes, 3); the third is the warp.
+        Places of the nodes along the axes from their mean [m], shape (ne, nodes, 3); the third is the warp.
     shape
         Shape functions at the points, shape (points, nodes).
     gradient
@@ -57,7 +55,6 @@ class ShellOperators(NamedTuple):
     drilling: NDArray[np.float64]
     drilling_area: NDArray[np.float64]
     axes: NDArray[np.float64]
-    centre: NDArray[np.float64]
     local: NDArray[np.float64]
     shape: NDArray[np.float64]
     gradient: NDArray[np.float64]

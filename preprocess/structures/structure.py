@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from heavylift.numerics.outcome import InputError
-from heavylift.preprocess.structures.places import nearest_place, surface_triangles
+from heavylift.preprocess.structures.places import nearest_place, surface_faces, surface_triangles
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -307,6 +307,17 @@ class Structure:
             [part.elements for part in self.beams],
             [(part.element_type, part.elements) for part in self.solids],
             point,
+        )
+
+    def boundary_faces(self) -> NDArray[np.int64]:
+        """Plates, and outer faces of eight-node bricks, shape (nf, 4).
+
+        Plates are wound about their normals, triangles with their last node twice; faces of bricks outwards.
+        """
+        return surface_faces(
+            self.nodes,
+            [part.elements for part in self.shells],
+            [part.elements for part in self.solids if part.element_type == "hex8"],
         )
 
     def boundary_triangles(self) -> NDArray[np.int64]:

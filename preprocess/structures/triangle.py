@@ -66,9 +66,8 @@ def triangle_operators(
     rotations of the corners relative to the mean one; ``beta_0 = (1 - 4 nu^2)/2``. Rotations are true ones.
     """
     ne = len(corners)
-    centre = corners.mean(axis=1)
     axes = triangle_axes(corners)
-    local = np.matmul(corners - centre[:, None], axes.transpose(0, 2, 1))
+    local = np.matmul(corners - corners.mean(axis=1, keepdims=True), axes.transpose(0, 2, 1))
     x, y = local[..., 0], local[..., 1]
     nxt, last = [1, 2, 0], [2, 0, 1]
     # x_ij = x_i - x_j; of node i: the edge opposite, from the next to the last node
@@ -93,7 +92,6 @@ def triangle_operators(
         drilling=np.empty((ne, 0, 18)),
         drilling_area=np.empty((ne, 0)),
         axes=axes,
-        centre=centre,
         local=local,
         shape=_SHAPE,
         gradient=np.repeat(G.transpose(0, 2, 1)[:, None], 3, axis=1),

@@ -147,7 +147,8 @@ def pack(transporters: Sequence[Transporter], context: PackingContext) -> None:
         vehicle.column = outputs.at(TransporterOutputs)
         vehicle.parts = placed(BogieParts, outputs)
         vehicle.x, vehicle.y, vehicle.z = (
-            book.direction(transporter.body, axis, FORCES, at=places.points[0]) for axis in places.axes
+            book.direction(transporter.body, axis, FORCES, at=places.points[0], turning=False)
+            for axis in places.axes
         )
         vehicle.radius, vehicle.tyre = transporter.wheel_radius, transporter.tyre_stiffness
         vehicle.pipe, vehicle.rubber = transporter.line_damping, transporter.tyre_damping

@@ -118,7 +118,9 @@ class PathPacking:
         path.column, path.drive_column = outputs.at(PathOutputs), outputs.at(DriveOutputs)
         path.parts = placed(SteeringParts, outputs)
         path.middle = places.pack(self._book, places.points.mean(axis=0))
-        path.forward = self._book.direction(transporter.body, places.axes[0], FORCES, at=np.zeros(3))
+        path.forward = self._book.direction(
+            transporter.body, places.axes[0], FORCES, at=np.zeros(3), turning=False
+        )
         path.side = side_of[transporter.body]
         path.first_plan, path.plans = first_plan, len(bodies)
         path.first_node, path.nodes = row_count, len(route.nodes)

@@ -95,7 +95,7 @@ class Places:
                 expected="places below the body, in the coordinates of its geometry (are the units right?)",
             )
         if self._arms is None and np.any(arm):
-            x, y, z = (book.direction(name, axis, FORCES, at=place) for axis in np.eye(3))
+            x, y, z = (book.direction(name, axis, FORCES, at=place, turning=False) for axis in np.eye(3))
             self._arms = x, y, z
         return _place(book.point(name, place, FORCES), self._arms or none, arm)
 

@@ -181,3 +181,24 @@ def test_bad_patches_are_named(brick_beam):
         footprint_loads(brick_beam, faces, (0.5, HEIGHT, 0.0), 0.02)
     with pytest.raises(InputError, match=r"footprint: 0 % of the disc"):
         footprint_loads(brick_beam, faces, (0.5, 0.0, 0.03), 0.02)
+
+
+def test_faces_of_plates_are_their_own_side():
+    """Pressure on a quadrilateral and a triangle beside it: consistent forces against their normals."""
+    from heavylift.modal.statics import face_area, face_forces
+    from heavylift.preprocess.structures.assemble import assemble_structure
+    from heavylift.preprocess.structures.structure import Shells, Structure
+
+    nodes = np.array([[0, 0, 0], [2, 0, 0], [2, 1, 0], [0, 1, 0], [3, 0, 0.0]])
+    steel = Material(2.1e11, 0.3, 7850.0)
+    plates = (
+        Shells("deck", np.array([[0, 1, 2, 3]]), steel, 0.01),
+        Shells("end", np.array([[1, 4, 2]]), steel, 0.01),
+    )
+    model = assemble_structure(Structure(nodes, shells=plates))
+    faces = outer_faces(model, np.arange(5))
+    assert face_area(model, faces) == pytest.approx(2.5)
+    forces = face_forces(model, faces, pressure=12.0).reshape(-1, 3)
+    np.testing.assert_allclose(forces[5:], 0.0)  # no moments
+    np.testing.assert_allclose(forces[:5, 2], [-6, -6 - 2, -6 - 2, -6, -2])
+    np.testing.assert_allclose(surface_normals(model, faces), np.tile([0, 0, 1.0], (5, 1)), atol=1e-15)

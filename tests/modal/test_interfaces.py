@@ -78,6 +78,24 @@ def test_weights_of_a_line_of_plates_are_its_lengths():
     np.testing.assert_allclose(interfaces.group_weights(model, np.array([0, 5])), [0.5, 0.5])
 
 
+def test_weights_of_a_ragged_patch_are_the_areas_around_its_nodes():
+    """A graded grid of plates: a cross of nodes with one whole plate in it."""
+    x, y = np.array([0.0, 1.0, 2.0, 4.0]), np.array([0.0, 1.0, 3.0, 4.0])
+    nodes = np.array([(a, b, 0.0) for a in x for b in y])
+    quads = np.array(
+        [[4 * i + j, 4 * i + 4 + j, 4 * i + 5 + j, 4 * i + 1 + j] for i in range(3) for j in range(3)]
+    )
+    plates = Shells("p", quads, Material(2e11, 0.3, 7850.0), 0.01)
+    model = SimpleNamespace(
+        mesh=None, structure=Structure(nodes, shells=(plates,)), node_count=16, nodes=nodes
+    )
+    group = np.array([5, 6, 9, 10, 1])  # the plate in the middle, and a node beside it on the border
+    width, height = np.array([0.5, 1.0, 1.5, 1.0]), np.array([0.5, 1.5, 1.5, 0.5])
+    area = (width[:, None] * height).ravel()[group]
+    np.testing.assert_allclose(interfaces.group_weights(model, group), area / area.sum())
+    np.testing.assert_allclose(interfaces.group_weights(model, group[:4]), 0.25)
+
+
 def test_end_moment_turns_the_end_face_as_the_closed_form_says(bar):
     """The fit over the face, where the gradient of the last layer is short by h / (2 L)."""
     model = bar(0.0, "incompatible", "lumped")

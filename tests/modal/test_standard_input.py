@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from heavylift.modal.bases import eigenmode_basis
 from heavylift.modal.eigen import eigenmodes
+from heavylift.modal.reduced import Interface
 from heavylift.modal.reduction import reduce_body
 from heavylift.modal.standard_input import standard_input
+from heavylift.modal.stiffening import Stiffening
 
 
 @pytest.fixture(scope="module")
@@ -103,3 +107,44 @@ def test_nodes_move_and_turn_with_the_modes(body_and_masses):
         turn = data.nodes[node].psi.m0 @ q
         axes = value(data.nodes[node].orientation, q)
         np.testing.assert_allclose(axes, np.eye(3) + np.cross(turn, np.eye(3)).T, atol=1e-12)
+
+
+def test_geometric_stiffness_is_part_of_the_series(body_and_masses):
+    """Modal forces of accelerations, of spin and of loads at an interface change by stiffness times coordinates."""
+    body, _ = body_and_masses
+    rng = np.random.default_rng(9)
+
+    def symmetric(*shape):
+        found = rng.standard_normal((*shape, 5, 5))
+        return found + np.swapaxes(found, -1, -2)
+
+    stiffening = Stiffening(
+        symmetric(6),
+        symmetric(3),
+        symmetric(3),
+        labels=("LUG force y", "LUG moment z", "point x"),
+        loads=symmetric(3),
+    )
+    lug = Interface(
+        np.ones(3), *rng.standard_normal((2, 5, 3)), np.array([0]), np.zeros((1, 3, 6)), np.zeros((1, 3, 6))
+    )
+    plain = standard_input(replace(body, interfaces={"LUG": lug}), np.zeros(5))
+    data = standard_input(replace(body, interfaces={"LUG": lug}, stiffening=stiffening), np.zeros(5))
+    assert data.geometric
+    assert not plain.geometric
+    q, a, w, wd, force, moment = (
+        rng.standard_normal(5),
+        *rng.standard_normal((5, 3)),
+    )
+    squares = np.array([w[0] ** 2, w[1] ** 2, w[2] ** 2, w[0] * w[1], w[1] * w[2], w[0] * w[2]])
+    for key, by, stiffness in (
+        ("Ct", a, np.tensordot(a, stiffening.linear, axes=1)),
+        ("Cr", wd, np.tensordot(wd, stiffening.angular, axes=1)),
+        ("Oe", squares, stiffening.of_spin(w)),
+    ):
+        change = (value(getattr(data, key), q) - value(getattr(plain, key), q)) @ by
+        np.testing.assert_allclose(change, stiffness @ q, err_msg=key)
+    acting = value(data.nodes[0].phi, q).T @ force + value(data.nodes[0].psi, q).T @ moment
+    before = plain.nodes[0].phi.m0.T @ force + plain.nodes[0].psi.m0.T @ moment
+    by_loads = force[1] * stiffening.loads[0] + moment[2] * stiffening.loads[1]
+    np.testing.assert_allclose(acting - before, -by_loads @ q)

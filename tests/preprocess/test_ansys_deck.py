@@ -56,12 +56,14 @@ def fails(tmp_path, text, match):
 def test_a_plate(tmp_path):
     text = HEAD + nblock() + eblock(QUAD, (10, 1, 1, 1, 1, (1, 2, 3, 3))) + PLATE_SECTION + MATERIAL
     text += "CMBLOCK,EDGE    ,NODE,       3\n(8i10)\n         1        -3         4\n"
+    text += "CMBLOCK,FAR     ,NODE,       2\n(8i10)\n         4-900000000\n"  # no more than there are
     made = read(tmp_path, text)
     quad, triangle = made.shells
     assert (quad.elements.tolist(), triangle.elements.tolist()) == ([[0, 1, 2, 3]], [[0, 1, 2]])
     assert (quad.thickness[0], quad.offset[0]) == (0.01, 0.0)
     assert sum(one.mass for one in property_masses(made)) == pytest.approx(3 * 78.5)
     assert made.node_groups["EDGE"].tolist() == [0, 1, 2, 3]
+    assert made.node_groups["FAR"].tolist() == [3]
     assert any(note.startswith("read: ") and "2 SHELL181" in note for note in made.notes)
     assert "the file says /UNITS,USER" in made.notes
 
@@ -108,6 +110,14 @@ def test_constants_of_a_section(tmp_path):
     assert made.section.shear_centre == pytest.approx((0.05, -0.01))
 
 
+def test_a_tee_stands_on_its_flange(tmp_path):
+    """VM10 of the verification manual: flange 9 x 4, depth 20, stem 1.5 in; 100,000 in lb give 300 and -700 psi."""
+    made = beam(tmp_path, "SECTYPE,2,BEAM,T,rib\nSECOFFSET,CENT\nSECDATA,9.,20.,4.,1.5\n").section
+    assert made.second_moment_1 == pytest.approx(2000.0)
+    low, high = made.corners[:, 0].min(), made.corners[:, 0].max()
+    assert (-1e5 * low / 2000.0, -1e5 * high / 2000.0) == pytest.approx((300.0, -700.0))
+
+
 def test_masses_rigid_beams_and_couplings(tmp_path):
     text = HEAD + "ET,4,184\nKEYOP,4,1,1\n" + nblock()
     text += eblock(QUAD, (11, 3, 1, 7, 1, (5,)), (12, 4, 1, 1, 1, (1, 5))) + PLATE_SECTION + MATERIAL
@@ -147,6 +157,7 @@ def test_solids_are_bodies_as_before(tmp_path):
             "CE,R5.0,DEFI, 2, 4, 0.0\nMPDATA,R5.0, 1,PRXY",
             r"contains 1 constraint equations CE",
         ),
+        ("MPTEMP", "CP,R5.0,NODE,1,2\nMPTEMP", r"line 24: CP of nodes without its definition"),
         ("(3i9,6e21.13e3)", "(odd)", r"line 10: '\(odd\)'; expected the format of a block"),
         ("       -1\n", "", r"line 20: 'SECTYPE,'; expected a number"),
         ("MPDATA,R5.0, 1,PRXY", "MPDATA,R5.0, 1,EY  ,   1, 1, 1.E+11\nMPDATA,R5.0, 1,PRXY", "orthotropic"),

@@ -235,3 +235,32 @@ def test_numbers_that_several_instances_have_are_refused(tmp_path, bar):
         InputError, match=r"K\.mtx: line 1: node 1 is one of several: P-1\.1, P-2\.1; expected"
     ):
         of_instances(tmp_path, bar, count=2)
+
+
+def of_coordinates(folder, bar, order=None):
+    """Files of Abaqus in its coordinate format: rows of the nodes in the order of their numbers, here 100 - 3 k."""
+    K, M, *_ = bar
+    nodes = np.arange(len(K) // 3)[::-1] if order is None else order
+    rows = (3 * nodes[:, None] + np.arange(3)).ravel()
+    for name, matrix in (("K.mtx", K), ("M.mtx", M)):
+        lines = [
+            f"{i + 1:10d} {j + 1:10d} {matrix[rows[i], rows[j]]:25.16e}\n"
+            for i in range(len(rows))
+            for j in range(i + 1)
+        ]
+        (folder / name).write_text("".join(lines))
+    return read_matrices(read_deck(folder / "job.inp"), folder / "K.mtx", folder / "M.mtx", **UNITS)
+
+
+def test_coordinate_format_of_abaqus(tmp_path, bar):
+    model = of_coordinates(written(tmp_path, bar), bar)
+    expected = read(tmp_path, **UNITS)
+    assert abs(model.stiffness - expected.stiffness).max() < 1e-9 * abs(expected.stiffness).max()
+    assert abs(model.mass - expected.mass).max() < 1e-12 * abs(expected.mass).max()
+    assert any("in the order of their numbers" in note for note in model.notes)
+
+
+def test_rows_in_another_order_resist_rigid_motions(tmp_path, bar):
+    shuffled = np.random.default_rng(1).permutation(len(bar[0]) // 3)
+    with pytest.raises(InputError, match=r"K\.mtx: resists rigid motions if its rows are directions"):
+        of_coordinates(written(tmp_path, bar), bar, shuffled)

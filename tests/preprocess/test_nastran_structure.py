@@ -320,6 +320,7 @@ def test_a_mass_beside_its_node(tmp_path):
     turned = "CORD2R,6,,0.,0.,0.,0.,0.,1.,\n,0.,1.,0.\n"
     (mass,) = read(tmp_path, PLATE + turned + "CONM2,20,3,6,2.5,0.1,0.2,0.3,\n,3.,,4.,,,5.\n").masses
     assert mass.offset == pytest.approx([-0.2, 0.1, 0.3])
+    assert not any("left out" in note for note in read(tmp_path, PLATE + "CONM2,20,3,,2.5\n").notes)
     np.testing.assert_allclose(mass.inertia, np.diag([4.0, 3.0, 5.0]), atol=1e-15)
 
 
@@ -355,6 +356,9 @@ def test_rigid_elements(tmp_path):
         ("RBE2,30,1,123,1,2\n", r"line 8: RBE2: node 1 depends on itself"),
         ("RBE2,30,1,12x,2\n", r"line 8: RBE2: components '12x'"),
         ("RBE3,31,,1,123,1.,12,2,3\n", r"line 8: RBE3: components '12' of the averaged nodes"),
+        ("RBE3,31,,1,123,1.,123,THRU,3\n", r"line 8: RBE3: THRU without a node before it"),
+        ("RBE2,30,77,13,2\n", r"line 8: RBE2: node 77 does not exist"),
+        ("PSHELL,4,7,1.+308,7\nCTRIA3,10,4,1,2,3\n", r"the mass is beyond all bounds"),
         ("RBAR,32,1,2,123,456\n", r"line 8: RBAR: CNA = 123, CNB = 456; expected all six"),
         ("CONM2,20,8,,2.5\nGRID,8,,9.,9.,9.\n", r"CONM2 20 of 2.5 hangs on a node of no element"),
         ("GRID,8,,9.,9.,9.\nGRID,10,,8.,9.,9.\nRBE2,30,8,123456,10\n", r"RBE2 30 joins nodes of no element"),
@@ -381,9 +385,44 @@ def test_what_is_read_and_what_is_not_is_told_with_counts(tmp_path):
     assert any("PARAM,K6ROT,1. is left out" in note for note in notes)
     assert "case control selects no NSM: entries of nonstructural mass do not count" in notes
     assert any("1 SPC1" in note and "the case has its own" in note for note in notes)
-    notes = read(tmp_path, "SOL 103\nCEND\nNSM = 4\nBEGIN BULK\n" + PLATE + more).notes
-    assert any("case control has NSM = 4: this mass is not read" in note for note in notes)
     assert any(note.startswith("mass 157 kg, centre (1.000000, 0.500000, 0.000000) m") for note in notes)
+
+
+@pytest.mark.parametrize(
+    ("card", "mass"),
+    [
+        ("NSM1,4,PSHELL,2.,3", 4.0),  # per area: 2 m2
+        ("NSM,4,PSHELL,3,2.,5,1.", 4.0 + 1.0),
+        ("NSML1,4,PSHELL,6.,3,5", 6.0),  # in all
+        ("NSML,4,PBARL,7,10.", 10.0),
+        ("NSM1,4,PBAR,5.,ALL", 10.0),  # per length: 2 m
+        ("NSM1,4,ELEMENT,3.,9,THRU,11", 3.0 * (2.0 + 1.0 + 2.0)),
+        ("NSMADD,4,8,9\nNSM1,8,PSHELL,2.,3\nNSM1,9,PSHELL,1.,3\nNSM1,7,PSHELL,50.,3", 6.0),
+    ],
+)
+def test_nonstructural_mass_that_case_control_selects(tmp_path, card, mass):
+    text = (
+        PLATE
+        + "PSHELL,5,7,0.01,7\nCTRIA3,10,5,1,2,3\nCBAR,11,7,1,2,0.,0.,1.\n"
+        + BAR.replace("PBAR,5,", "PBAR,7,")
+    )
+    text = text.replace("1.-6,3.", "1.-6,0.") + card + "\n"
+    alone = sum(one.mass for one in property_masses(read(tmp_path, text)))
+    made = read(tmp_path, "SOL 103\nCEND\nSUBCASE 1\nNSM = 4\nBEGIN BULK\n" + text)
+    assert sum(one.mass for one in property_masses(made)) == pytest.approx(alone + mass, rel=1e-12)
+    assert not any("left out" in note or "do not count" in note for note in made.notes)
+
+
+@pytest.mark.parametrize(
+    ("card", "words"),
+    [
+        ("NSM1,4,PSHEAR,2.,3", r"NSM1: of PSHEAR; expected PSHELL"),
+        ("NSM1,4,PSHELL,2.,8", r"NSM1: no elements of PSHELL 8"),
+        ("NSM1,4,PSHELL,2.,THRU,8", r"NSM1: THRU without numbers"),
+    ],
+)
+def test_faults_of_nonstructural_mass(tmp_path, card, words):
+    fails(tmp_path, "SOL 103\nCEND\nNSM = 4\nBEGIN BULK\n" + PLATE + card + "\n", words)
 
 
 @pytest.mark.parametrize(

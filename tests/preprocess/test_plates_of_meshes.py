@@ -99,8 +99,9 @@ def test_a_case_gives_what_a_mesh_lacks(path):
     assert sorted(made.node_groups["rib"]) == [0, 1]
     with pytest.raises(InputError, match="no thickness"):
         structure_of(deck, beams={"rib": RIB}, **options)
-    with pytest.raises(InputError, match=r"stiffeners\.line\.section: line: no section"):
-        structure_of(deck, plates=plates, **options)
+    alone = structure_of(deck, plates=plates, **options)
+    assert alone.beams == ()
+    assert "left out: 1 lines without a section, which are groups" in alone.notes
 
 
 def test_solids_of_a_universal_file(tmp_path):
@@ -133,3 +134,14 @@ def test_faults_of_universal_files(tmp_path, old, new, words):
     file.write_text(text.replace(old, new, 1))
     with pytest.raises(InputError, match=words):
         structure_of(read_deck(file), plates={"property 1": PlateProperty(thickness=0.01)}, given=STEEL)
+
+
+def test_plates_with_middle_nodes_are_refused(tmp_path):
+    middle = 0.5 * (POINTS[[0, 1, 2, 3]] + POINTS[[1, 2, 3, 0]])
+    made = meshio.Mesh(
+        np.vstack([POINTS, middle]),
+        [("quad8", np.array([[0, 1, 2, 3, 5, 6, 7, 8]])), ("triangle", TRIANGLES)],
+    )
+    made.write(tmp_path / "body.vtu")
+    with pytest.raises(InputError, match="contains 1 cells 'quad8'"):
+        structure_of(read_deck(tmp_path / "body.vtu"), given=STEEL, length_unit=1.0, mass_unit=1.0)

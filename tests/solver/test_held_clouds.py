@@ -207,3 +207,19 @@ def test_work_balances_the_energy_and_joints_stay_closed() -> None:
     (_, coarse, coarse_gap), (_, fine, fine_gap) = runs()
     assert np.ptp(fine) < 0.3 * np.ptp(coarse) < 0.01
     assert fine_gap.max() < 0.16 * coarse_gap.max() < 1e-6
+
+
+def test_adaptive_steps_keep_the_tolerance() -> None:
+    """A hundredth of the tolerance brings every position and orientation nearer to the point masses."""
+    reference = mechanism()
+    expected = reference.channels(DURATION, reference.solve(DURATION))
+    names = [name for name in expected if name.endswith((".position", ".orientation"))]
+    errors = []
+    for tolerance in (1e-4, 1e-6):
+        simulation = Simulation(scene_of(reference), DURATION / 4, tolerance=tolerance)
+        end = channels_of(simulation, simulation.advance(4)[1][-1], "")
+        assert not simulation.outcome, simulation.message
+        found = {name: matrix(end[name]) if name.endswith(".orientation") else end[name] for name in names}
+        errors.append(max(np.abs(found[name] - expected[name]).max() for name in names))
+    assert errors[0] < 1e-2
+    assert errors[1] < 0.1 * errors[0]

@@ -13,9 +13,9 @@ from solid_beams import BENDING, DENSITY, LENGTH, SIDE, beam, cantilever
 from heavylift.modal.bases import eigenmode_basis
 from heavylift.modal.eigen import eigenmodes
 from heavylift.modal.flexibility import Flexibility
-from heavylift.modal.load_stiffness import inertia_stiffening, stress_stiffness
 from heavylift.modal.reduced import ReducedBody
 from heavylift.modal.reduction import reduce_body
+from heavylift.modal.stress_stiffness import inertia_stiffening, stress_stiffness
 from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.preprocess.finite_elements.blocks import Box, mesh_blocks
 from heavylift.preprocess.finite_elements.elasticity import assemble

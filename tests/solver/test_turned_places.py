@@ -12,6 +12,7 @@ from scipy.sparse import eye_array
 from solid_beams import BENDING, DENSITY, LENGTH, SIDE, YOUNG, beam, cantilever
 
 from heavylift.modal.invariants import shape_integrals
+from heavylift.modal.reduced import ReducedBody
 from heavylift.solver.forces.point import PointForce
 from heavylift.solver.joints.ball import Ball
 from heavylift.solver.joints.distance import Distance
@@ -22,6 +23,7 @@ from heavylift.solver.joints.planar import Planar
 from heavylift.solver.joints.slider import Slider
 from heavylift.solver.joints.universal import Universal
 from heavylift.solver.layout import Layout, pack_scene
+from heavylift.solver.markers import MarkerBook, pack_markers
 from heavylift.solver.scene.connections import GROUND, JointFrame, axes_about
 from heavylift.solver.scene.scene import FlexibleBody, Free, Gravity, RigidBody, Scene, Sensor
 from heavylift.solver.sensors.relative_motions import RelativeMotion
@@ -32,6 +34,7 @@ Array = NDArray[np.float64]
 
 ROOT, TIP = np.zeros(3), np.array([LENGTH, 0.0, 0.0])
 DOWN = Gravity(np.array([0.0, 0.0, -9.81]))
+SIDES = ("name", "body_a", "body_b", "frame_a", "frame_b")
 TURNING = (FixedJoint, Hinge, Slider, Planar, Guide)
 
 
@@ -250,4 +253,36 @@ def test_triangle_of_ball_joints_is_told() -> None:
     )
     layout = pack_scene(Scene((beam(cantilever()), arm(TIP)), joints=joints))
     assert any("joints 'b0', 'b1', 'b2' hold points" in note for note in layout.notes)
+    welds = tuple(FixedJoint(**{key: getattr(ball, key) for key in SIDES}) for ball in joints[:2])
+    layout = pack_scene(Scene((beam(cantilever()), arm(TIP)), joints=welds))
+    assert any("joints 'b0', 'b1' hold points" in note for note in layout.notes)
     assert not pack_scene(Scene((beam(cantilever()), arm(TIP)), joints=joints[:1])).notes
+
+
+def test_directions_of_vehicles_are_those_of_the_frame() -> None:
+    """Their bogies stand beside the body: no place of it is looked for."""
+    book = MarkerBook()
+    book.direction("beam", np.array([1.0, 0.0, 0.0]), at=np.array([0.0, 0.0, -5.0]), turning=False)
+    constants: list[Array] = []
+
+    def place(*_: Array) -> Array:
+        raise AssertionError
+
+    markers = pack_markers(book.of(["beam"]), [place], constants, [place])
+    assert markers["direction"].tolist() == [True]
+    assert markers["turned"].tolist() == [False]
+    np.testing.assert_array_equal(constants[0], [1.0, 0.0, 0.0])
+
+
+def test_a_joint_on_a_line_of_nodes_is_told() -> None:
+    """Nodes without elements along x have no rotation about x; four that span a plane do."""
+    x = np.linspace(0.0, 1.0, 30)
+    for offset, told in ((0.0, True), (0.05, False)):
+        nodes = np.stack([x, offset * (np.arange(30) % 2), np.zeros(30)], axis=1)
+        shape = np.zeros((1, 30, 3))
+        shape[0, :, 2] = x**2
+        mass = (eye_array(30) / float(np.sum(x**4))).tocsr()
+        integrals = shape_integrals(nodes, shape, mass)
+        wire = ReducedBody(nodes, np.ones(1), shape, integrals, False, ("bent",), np.zeros(1), 0.0)
+        notes = packed(FixedJoint, (1.0, nodes[-1, 1], 0.0), beam(wire)).notes
+        assert any("'bolt' holds directions" in note and "on a line" in note for note in notes) == told

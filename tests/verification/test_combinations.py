@@ -32,9 +32,10 @@ from heavylift.solver.force_elements.maxwell_rope import MaxwellRope
 from heavylift.solver.force_elements.wire_rope import SpringRope
 from heavylift.solver.forces.spring import Spring
 from heavylift.solver.joints.ball import Ball
+from heavylift.solver.joints.hinge import Hinge
 from heavylift.solver.scene.bodies import Harmonic
 from heavylift.solver.scene.collisions import Collision, CollisionSurface
-from heavylift.solver.scene.connections import GROUND, JointFrame, RopePoint
+from heavylift.solver.scene.connections import GROUND, JointFrame, RopePoint, axes_about
 from heavylift.solver.scene.contacts import Contact, Contour, LinearLaw, PointShape
 from heavylift.solver.scene.mesh_shapes import line, rectangle
 from heavylift.solver.scene.meshes import FrameBody, FrameSection, ShellBody, ShellSection
@@ -59,6 +60,7 @@ BODIES = (
 )
 THINGS = (
     "joint",
+    "hinge",
     "rope",
     "rope that creeps",
     "spring",
@@ -78,6 +80,7 @@ REFUSED = {
     ("shell mesh", "drive"): "its supports hold nodes in the world; drive what a joint ties it to",
     ("hull", "drive"): "the motion of 'a' is prescribed",
     ("hull with shared database", "drive"): "the motion of 'a' is prescribed",
+    ("lumped cable", "hinge"): "a direction on 'body', a cable of lumped masses, which has none",
     ("lumped cable", "triangle contact"): "no triangles on 'body'",
     ("lumped cable", "drive"): "it has no frame; drive what a joint ties it to",
 }
@@ -154,6 +157,10 @@ def combined(of: Subject, thing: str) -> Scene:
     """The body under its weight with one thing more, called "link", to the ground."""
     stiffness, keys = 400.0 * of.mass, dict(of.keys)
     damping = 0.02 * stiffness
+    first = keys["bodies"][0]
+    if thing == "hinge" and isinstance(first, FlexibleBody):  # at a place that modes turn
+        keys["bodies"] = (replace(first, reduced=replace(first.reduced, continuum=True)),)
+        of = replace(of, point=first.reduced.nodes[0])
     lift = getattr(keys["bodies"][0], "position", np.zeros(3))  # coordinates of meshes are those of the world
     place, hook = of.point + lift, of.point + lift + [0.0, 0.0, 2.0]
     forces: list[Any] = [Gravity(np.array([0.0, 0.0, -G]))]
@@ -162,6 +169,10 @@ def combined(of: Subject, thing: str) -> Scene:
     if thing == "joint":
         ends = {"frame_a": JointFrame(place), "frame_b": JointFrame(of.point)}
         keys["joints"] = (Ball(name="link", body_a=GROUND, body_b=of.name, **ends),)
+    elif thing == "hinge":
+        axes = axes_about(np.array([0.0, 1.0, 0.0]))
+        ends = {"frame_a": JointFrame(place, axes), "frame_b": JointFrame(of.point, axes)}
+        keys["joints"] = (Hinge(name="link", body_a=GROUND, body_b=of.name, **ends),)
     elif thing == "rope":
         path = (RopePoint(GROUND, hook), RopePoint(of.name, of.point))
         keys["ropes"] = (
@@ -242,6 +253,7 @@ def link_forces(found: Found, of: Subject, thing: str) -> list[Any]:
         return [upward, -upward]
     names = {
         "joint": "link.reaction_force",
+        "hinge": "link.reaction_force",
         "rope": "link.tension",
         "rope that creeps": "link.tension",
         "spring": "link.force",

@@ -6,9 +6,14 @@ Published: MacNeal and Harder 1985, Belytschko et al. 1985, Knight 1997, NAFEMS,
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
+from heavylift.numerics.outcome import Outcome
+from heavylift.pipeline.commands.verify import verify_case
+from heavylift.pipeline.log import Log
 from tests.verification import shell_problems as problems
 
 TWISTED = {  # length x width of the mesh: independent, in and out of the plane, for both thicknesses
@@ -208,3 +213,11 @@ def test_z_section_under_torsion():
     found = [problems.z_section(n) for n in (2, 4)]
     np.testing.assert_allclose(found, [-109.9, -110.2], rtol=1e-3)
     np.testing.assert_allclose(found, -108.0, rtol=0.025)
+
+
+@pytest.mark.slow
+def test_case_meets_its_references(tmp_path):
+    case = Path(__file__).resolve().parents[2] / "cases" / "shell_benchmarks"
+    result = verify_case(case, out=tmp_path, overrides=(), force=True, log=Log(quiet=True))
+    assert result.outcome is Outcome.COMPLETED, [check for check in result.checks if not check.passed]
+    assert len(result.checks) == 29

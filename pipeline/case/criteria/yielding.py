@@ -11,8 +11,9 @@ from heavylift.pipeline.case.criteria.base import CriterionSection
 from heavylift.pipeline.case.criteria.lift_rules import OF_THE_CASE, Clause
 from heavylift.pipeline.case.criteria.results import ON_LIMIT, CriterionResult, Factor, Series
 from heavylift.pipeline.case.criteria.run import Run
-from heavylift.pipeline.case.fields import BodyName, Name, Quantity, refuse_unknown, reject
+from heavylift.pipeline.case.fields import BodyName, Quantity, refuse_unknown, reject
 from heavylift.pipeline.case.steel import STEEL_SOURCE
+from heavylift.pipeline.case.stress import PropertyName
 
 
 class YieldCriterion(CriterionSection):
@@ -23,7 +24,7 @@ class YieldCriterion(CriterionSection):
     type: Literal["yield"]
     body: BodyName
     """Flexible body with a table ``stress``."""
-    groups: tuple[Name, ...] = ()
+    groups: tuple[PropertyName, ...] = ()
     """Groups of that table, or properties of a structure; all that have a yield strength if empty."""
     stress: Literal["whole", "centre"] = "whole"
     """``whole``: both sides of plates, solids and corners of beams; ``centre``: the membrane of plates at the centres
@@ -78,13 +79,13 @@ class YieldCriterion(CriterionSection):
             for name in chosen
         ]
         table = run.case.bodies[self.body].stress
-        graded = table.grade is not None or any(one.grade is not None for one in table.groups)
-        clause = Clause(STEEL_SOURCE, "seen") if graded else OF_THE_CASE
         factors = (Factor("gamma_M", table.gamma_M, ON_LIMIT),) if table.gamma_M != 1.0 else ()
         what = "von Mises stress over the yield strength" + (" (centres of plates)" if side else "")
-        found = run.result(what, "1", series, (clause,), factors=factors, seen=run.records)
+        found = run.result(what, "1", series, (OF_THE_CASE,), factors=factors, seen=run.records)
         group = stress.group(found.where)
+        owner = next((one for one in table.groups if one.name == group.name and one.has_strength), table)
+        clause = OF_THE_CASE if owner.grade is None else Clause(STEEL_SOURCE, "seen")
         record = int(np.argmin(np.abs(stress.times - (found.time or 0.0))))
         place = group.place_at(record, side, used=True)
         words = ", ".join(f"{value:.4g}" for value in np.round(place, 6) + 0.0)
-        return [replace(found, where=f"{found.where} at ({words}) m")]
+        return [replace(found, where=f"{found.where} at ({words}) m", clauses=run.clauses(clause))]

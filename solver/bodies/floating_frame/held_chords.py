@@ -1,4 +1,7 @@
-"""Joints that together hold chords of bodies with modes, which linear modes lengthen where they turn them."""
+"""Joints that hold of bodies with modes what these do not have: lengths of chords that they turn, twists about lines.
+
+Linear modes lengthen the chords that they turn, and nodes without rotations that lie on a line have none about it.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +16,7 @@ if TYPE_CHECKING:
     from heavylift.modal.reduced import ReducedBody
     from heavylift.solver.scene.bodies import FlexibleBody
 
-__all__ = ["tell_held_chords"]
+__all__ = ["tell_held_chords", "tell_lines"]
 
 _POINT = (False, False, False)  # rows of a joint that holds a point come first, and none of them is an angle
 
@@ -49,6 +52,19 @@ def tell_held_chords(bodies: Sequence[FlexibleBody], joints: Sequence[Any]) -> t
                     "they resist; take one of them, and rods (type 'distance') that hold no more than it needs"
                 )
     return tuple(sentences)
+
+
+def tell_lines(bodies: Sequence[FlexibleBody], joints: Sequence[Any]) -> tuple[str, ...]:
+    """Sentences on joints that hold directions where all nodes of a body without elements lie on a line."""
+    return tuple(
+        f"joint {joint.name!r} holds directions of the flexible body {body.name!r} where the nodes around lie on a "
+        "line: its modes have no rotation about that, and no moment about it reaches them; take an interface of nodes "
+        "that do not"
+        for body in bodies
+        for joint in joints
+        for name, frame in ((joint.body_a, joint.frame_a), (joint.body_b, joint.frame_b))
+        if name == body.name and any(joint.rotational) and body.reduced.lies_on_a_line(frame.point)
+    )
 
 
 def _turns_chord(reduced: ReducedBody, p: NDArray[np.float64], q: NDArray[np.float64]) -> bool:

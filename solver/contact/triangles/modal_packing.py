@@ -99,7 +99,9 @@ def pack_modal_surface(
         row,
         pose,
         surface,
-        ModalBook(dof, surface.points, point_shapes(body.reduced, nodes), nodes, body.reduced.mesh),
+        ModalBook(
+            dof, surface.points, point_shapes(body.reduced, nodes, surface.points), nodes, body.reduced.mesh
+        ),
     )
 
 

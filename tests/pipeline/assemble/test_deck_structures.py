@@ -62,7 +62,7 @@ def test_a_deck_of_plates_and_bars(folder, tmp_path):
     assert model.structure is not None
     properties = model_properties(model)
     assert (properties["node_count"], properties["element_count"]) == (21, 16)
-    assert properties["dof_count"] == 6 * 21
+    assert properties["dof_count"] == 6 * 21 - 6 * 4  # four nodes follow the rigid element
     write_vtu(tmp_path / "panel.vtu", model)
     import meshio
 
@@ -123,6 +123,10 @@ def test_faults_of_the_file_are_named(folder, old, new, words):
         (
             '[bodies.panel.plates."PBAR 2"]\nthickness = 0.1\n',
             r"plates\.PBAR 2: group 'PBAR 2' has no plates",
+        ),
+        (
+            '[bodies.panel.mesh]\nformulation = "full"\n',
+            r"bodies\.panel\.mesh\.formulation: 'full' with plates",
         ),
         ('[bodies.panel.stiffeners."PBAR 2"]\nfoot = 0.1\n', r"'foot' without 'section'"),
         (

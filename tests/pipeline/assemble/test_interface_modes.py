@@ -83,6 +83,16 @@ def test_rigid_interfaces_are_those_of_craig_bampton(reduced):
     np.testing.assert_allclose(body.mode_shapes[:, nodes], moved, atol=1e-10 * np.abs(moved).max())
 
 
+@pytest.mark.parametrize("basis", ["eigenmodes", "craig_bampton"])
+def test_count_beside_a_frequency_is_the_largest_number(reduced, basis):
+    rigid = ('group = "root"', 'group = "root"\nkind = "rigid"'), ('"55 mm"', '"52 mm"\nkind = "rigid"')
+    modes = f'basis = "{basis}"\nup_to = "2 kHz"\ncount = COUNT'
+    few, many = (reduced(modes.replace("COUNT", count), *rigid) for count in ("3", "50"))
+    assert few.notes[0].startswith("WARNING: count = 3 ends before up_to = 2000 Hz")
+    assert not any("ends before" in note for note in many.notes)
+    assert many.body.mode_count > few.body.mode_count
+
+
 def test_interfaces_change_the_digest(tmp_path):
     digests = []
     for radius in ("55 mm", "60 mm"):

@@ -79,6 +79,7 @@ plate = "plate"
 web = [0, 0, -1]
 
 [bodies.deck.stress]
+panels = true
 grade = "S355"
 thickness = "10 mm"
 hot_spots = [
@@ -118,6 +119,15 @@ stress = {{}}
 motion = "driven"
 x = {{ harmonics = [{{ amplitude = 0.1, frequency = 5 }}] }}
 
+[bodies.ringing]
+{BAR}
+modes = {{ count = 6, clamp = ["root"] }}
+frame = {{ motion = "fixed" }}
+initial = {{ position = [0, 6, 0], modal_velocity = [0, 0, 0, 0, "0.1 m/s"] }}
+stress = {{}}
+
+[bodies.ringing.geometry]
+{GEOMETRY}
 [bodies.spinning]
 {BAR}
 modes = {{ count = 2 }}
@@ -127,9 +137,33 @@ stress = {{ groups = [{{ name = "half" }}] }}
 
 [bodies.spinning.geometry]
 {GEOMETRY}
+[bodies.ringing.interfaces.END]
+at = [{LENGTH}, {SIDE / 2}, {SIDE / 2}]
+radius = 0.04
+
+[[forces]]
+name = "push"
+type = "point"
+body = "ringing"
+point = [1.5, {SIDE / 2}, {SIDE}]
+force = [0, 0, 1e-6]
+
+[[joints]]
+name = "pin"
+type = "ball"
+between = ["ground", "spinning"]
+at = [0, 4, 0]
+
+[[forces]]
+name = "pull"
+type = "point"
+body = "ringing"
+point = "END"
+force = [0, 0, 1e-6]
+
 [simulate]
 step = "50 us"
-output_interval = "1 ms"
+output_interval = "2 ms"
 duration = 0.05
 """
 
@@ -211,6 +245,7 @@ def test_criteria_checks_pictures_and_page_have_one_number(resting, rested):
         rested.number("stress.deck.plate.centre.utilisation.max"),
     ]
     assert lines[0].where.startswith("root at (0, ")
+    assert lines[0].clauses[0].source.startswith("EN 10025-2")
     folder, results = OutputFolder(resting.output_folder), load_results(resting)
     shown = {}
 
@@ -237,6 +272,24 @@ def test_criteria_checks_pictures_and_page_have_one_number(resting, rested):
     assert np.nanmax(nodal_stresses(model, [modes], [turns])) != pytest.approx(state, rel=1e-3)
 
 
+@pytest.mark.slow
+def test_the_report_has_tables_and_pictures_of_it(tmp_path_factory):
+    case = made(tmp_path_factory, RESTING + "[report]\nmodes = []\nstress_modes = []\n")
+    report = run_case(case, stages=("report",))
+    assert report.outcome is Outcome.COMPLETED
+    folder = case.output_folder / "report"
+    text = (folder / "report.md").read_text(encoding="utf-8")
+    for name in ("held", "deck"):
+        assert f"## Stress of {name} over the run" in text
+        assert (folder / f"{name}_stress_largest.png").is_file()
+        assert (folder / f"{name}_stress_envelope.png").is_file()
+    value = Quantities(case, case.output_folder).number("stress.deck.bar.von_mises.max")
+    assert f"| bar | whole stress | {1e-6 * value:.4g} |" in text
+    assert "160 plates, 40 beams, 205 nodes" in text
+    # nothing changed: nothing is made again
+    assert run_case(case, stages=("report",)).stages[0].skipped
+
+
 def test_it_is_computed_once_and_again_when_what_it_was_made_from_has_changed(resting):
     folder, results = OutputFolder(resting.output_folder), load_results(resting)
     body_stress(resting, "held", folder, results)
@@ -257,9 +310,21 @@ def test_a_bar_shaken_along_its_axis_bears_its_inertia(moved):
     # the first axial mode is at 650 Hz, beyond the three of bending: at 5 Hz the bar follows statically
     acceleration = 0.1 * (2.0 * np.pi * 5.0) ** 2
     history = moved.history("stress.shaken.all.von_mises.end")
-    # differences of velocities at 1 ms: their error is (omega h)^2 / 6
+    # differences of velocities at 2 ms: their error is (omega h)^2 / 6
     assert history.max() == pytest.approx(RHO * LENGTH * acceleration, rel=0.03)
     assert history[0] < 0.02 * history.max()
+
+
+def test_records_too_far_apart_for_a_mode_that_vibrates_are_told(moved):
+    place, note = moved.body_stress("ringing").notes
+    # mode 5 at 183 Hz: 5.5 ms
+    assert note.startswith("Records are 0.002 s apart: 5 a period of vector 5 (18")
+    assert not any("Records are" in text for text in moved.body_stress("shaken").notes)
+    # of two places where forces act one has static vectors
+    assert place.startswith("forces.0.point: the modes miss ")
+    assert any(text.startswith("joints.0.at: the modes miss") for text in moved.body_stress("spinning").notes)
+    # without weight and motion of its frame there is nothing to correct
+    assert moved.body_stress("ringing").correction.shape[1] == 0
 
 
 def test_a_spinning_bar_bears_its_centrifugal_force_and_nothing_else(moved):
@@ -268,7 +333,26 @@ def test_a_spinning_bar_bears_its_centrifugal_force_and_nothing_else(moved):
     )
 
 
+def test_plate_panels_are_told_with_their_buckling(resting, rested):
+    stress = body_stress(resting, "deck", OutputFolder(resting.output_folder), load_results(resting))
+    panels = stress.panels
+    assert panels.group == ("plate", "plate")
+    np.testing.assert_allclose(panels.length, 2.0)
+    np.testing.assert_allclose(panels.width, 0.1)
+    # in tension above its stiffener, by the mean moment q L^2 / 6 and the centroid of its section
+    area, below = 0.2 * 0.01 + 0.08 * 0.01, -0.045
+    centroid = 0.08 * 0.01 * below / area
+    second = 0.2 * 0.01**3 / 12.0 + 0.002 * centroid**2
+    second += 0.01 * 0.08**3 / 12.0 + 0.0008 * (below - centroid) ** 2
+    mean = RHO * area * G * LENGTH**2 / 6.0 * -centroid / second
+    np.testing.assert_allclose(panels.stress[0, :, 0], mean, rtol=0.03)
+    assert rested.number("stress.deck.plate.buckling.max") == pytest.approx(panels.use.max(), rel=1e-6)
+    # what is in tension is hardly used
+    assert 0.0 <= panels.use.max() < 1e-3
+
+
 REFUSED = {
+    "stress.held.root.buckling.max": "'panels = true'",
     "stress.held.nothing.von_mises.max": "a group of the stress of 'held': root, half",
     "stress.held.nothing.hot_spot.max": "a hot spot of the stress of 'held': toe",
     "stress.held.root.upper.von_mises.max": "GROUP.SIDE.von_mises",
@@ -292,6 +376,11 @@ def test_quantities_that_the_table_does_not_have_are_refused(tmp_path, quantity)
         ('"50 mm" }},'.replace("}}", "}"), '"300 mm" },', "up to 250 mm"),
         ("gamma_M = 1.1", "gamma_M = 0.9", "too small"),
         ('name = "half", yield_strength', 'name = "root", yield_strength', "'root' is used before"),
+        (
+            '[simulate]\nstart = "equilibrium"\nduration = 0\n',
+            "",
+            r"bodies\.deck\.stress: needs a \[simulate\]",
+        ),
         ('body = "held"', 'body = "modes_only"', "'modes_only'.*yield strength|it has no yield strength"),
     ],
 )
@@ -307,6 +396,13 @@ def test_a_group_that_the_mesh_does_not_have_is_refused_with_those_it_has(tmp_pa
     changed = load_case(tmp_path)
     with pytest.raises(InputError, match=r"group 'tip' does not exist.*half, root"):
         body_stress(changed, "held", OutputFolder(resting.output_folder), load_results(resting))
+
+
+def test_records_that_are_not_finite_have_no_stress(resting):
+    results = load_results(resting)
+    results["held.modal_position"][-1] = np.nan
+    with pytest.raises(InputError, match="modal coordinates of 'held' are not finite from 0 s on"):
+        body_stress(resting, "held", OutputFolder(resting.output_folder), results)
 
 
 def test_plates_have_their_own_thickness_by_which_a_grade_counts(tmp_path, resting):

@@ -22,7 +22,7 @@ title = "A bar for other programs"
 type = "flexible"
 material = { young_modulus = "210 GPa", poisson_ratio = 0.3, density = "7850 kg/m^3" }
 mesh = { element = "hex8", mass = "MASS", divisions = { x = [8], y = [2], z = [2] } }
-modes = { count = 4, damping_ratio = 0.01 }
+modes = { count = 4, damping_ratio = 0.01, stiffening = STIFFENING }
 frame = { motion = "free", origin = "centre_of_mass" }
 [bodies.bar.geometry]
 type = "blocks"
@@ -38,10 +38,12 @@ group = "tip"
 
 @pytest.fixture
 def exported(tmp_path):
-    def make(text=CASE, mass="lumped"):
+    def make(text=CASE, mass="lumped", stiffening="false"):
         folder = tmp_path / "case"
         folder.mkdir()
-        (folder / "case.toml").write_text(text.replace("MASS", mass), encoding="utf-8")
+        (folder / "case.toml").write_text(
+            text.replace("MASS", mass).replace("STIFFENING", stiffening), encoding="utf-8"
+        )
         target = tmp_path / "for others"
         with pytest.raises(SystemExit) as ending:
             app(["modes", str(folder), "--export", str(target)])
@@ -90,8 +92,9 @@ def matrices(item):
     return m0, m1
 
 
-def test_standard_input_data_come_back(exported):
-    folder, place = exported()
+@pytest.mark.parametrize("stiffening", ["false", "true"])
+def test_standard_input_data_come_back(exported, stiffening):
+    folder, place = exported(stiffening=stiffening)
     body = read_reduced(folder.reduced("bar"))
     (node_count, mode_count), modal, nodes = parsed(place / "bar.SID_FEM")
     assert (node_count, mode_count) == (2, body.mode_count)
@@ -107,6 +110,7 @@ def test_standard_input_data_come_back(exported):
         np.testing.assert_array_equal(matrices(node["origin"])[0][:, 0], body.interfaces[name].point)
         np.testing.assert_array_equal(matrices(node["phi"])[0].T, body.interfaces[name].displacement)
         np.testing.assert_array_equal(matrices(node["psi"])[0].T, body.interfaces[name].rotation)
+    assert ("Geo_Stiff= yes" in (place / "bar.SID_FEM").read_text(encoding="ascii")) == (stiffening == "true")
 
 
 def test_four_files_come_back(exported):
@@ -121,7 +125,7 @@ def test_four_files_come_back(exported):
 
 
 def test_netcdf_comes_back(exported):
-    folder, place = exported(mass="consistent")
+    folder, place = exported(mass="consistent", stiffening="true")
     body = read_reduced(folder.reduced("bar"))
     variables, attributes = load_variables(place / "bar.nc")
     assert attributes["units"] == "SI"
@@ -138,6 +142,11 @@ def test_netcdf_comes_back(exported):
     assert list(variables["vector"].values) == list(body.labels)
     assert list(variables["interface"].values) == ["ROOT", "TIP"]
     np.testing.assert_array_equal(variables["hex8_nodes"].values, body.mesh.elements)
+    for key in ("second_moments", "angular", "linear", "loads"):
+        np.testing.assert_array_equal(
+            variables[f"stiffening_{key}"].values, getattr(body.stiffening, key), err_msg=key
+        )
+    assert "TIP moment y" in variables["stiffening_load"].values
     # loads of an interface are the transpose of its motion: read from the file alone
     tip = variables["interface_of_entry"].values == 1
     nodes, forces = variables["interface_node"].values[tip], variables["interface_forces"].values[tip]

@@ -12,7 +12,7 @@ from heavylift.preprocess.finite_elements.material import Material
 from heavylift.preprocess.structures.assemble import assemble_structure
 from heavylift.preprocess.structures.checks import check_structure
 from heavylift.preprocess.structures.sections import profile
-from heavylift.preprocess.structures.structure import Beams, RigidLink, Shells, Structure, Tie
+from heavylift.preprocess.structures.structure import Beams, RigidLink, Shells, Solids, Structure, Tie
 
 STEEL = Material(2.1e11, 0.3, 7850.0)
 
@@ -130,3 +130,19 @@ def test_shapes_and_normals_are_told():
     assert any(note.startswith("40% of the plates are triangles") for note in check_structure(structure))
     assert any("triangles" in note for note in assemble_structure(structure).notes)
     assert assemble_structure(replace(structure, shells=(shells(quads),))).notes == ()
+
+
+def test_hinges_at_solids_are_told():
+    """A plate along an edge of a brick passes no moment on."""
+    brick = np.array(
+        [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]], float
+    )
+    nodes = np.concatenate([brick, [[2, 0, 1], [2, 1, 1]]])
+    structure = Structure(
+        nodes,
+        shells=(shells(np.array([[5, 8, 9, 6]])),),
+        solids=(Solids("s", np.arange(8)[None], "hex8", STEEL),),
+    )
+    (note,) = check_structure(structure)
+    assert note.startswith("2 nodes of plates or beams are nodes of solids, which have no rotations")
+    assert "at (1, 0, 1), (1, 1, 1) m" in note

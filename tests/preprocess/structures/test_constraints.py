@@ -66,12 +66,12 @@ def test_a_line_of_nodes_turns_as_its_nodes_do():
     np.testing.assert_allclose(found, np.concatenate([[0.3, -0.2, 0.5], theta]), atol=1e-12)
     turn = np.einsum("mki,mk->i", moments, np.tile([1.0, 0.0, 0.0], (4, 1)))
     assert turn[3] == pytest.approx(1.0)
-    with pytest.raises(InputError, match="on one line"):
+    with pytest.raises(InputError, match="4 nodes without rotations on one line"):
         mean_motion(np.zeros(3), positions, np.ones(4), np.zeros(4, dtype=bool), key="lug")
-    with pytest.raises(InputError, match="is a node without rotations"):
+    with pytest.raises(InputError, match="one node without rotations"):
         mean_motion(np.zeros(3), positions[:1], np.ones(1), np.zeros(1, dtype=bool), key="lug")
-    with pytest.raises(InputError, match="positive weights"):
-        mean_motion(np.zeros(3), positions, np.array([1.0, 1.0, 0.0, 1.0]), np.ones(4, dtype=bool))
+    with pytest.raises(InputError, match="weights of sum 0"):
+        mean_motion(np.zeros(3), positions, np.array([1.0, 1.0, -1.0, -1.0]), np.ones(4, dtype=bool))
 
 
 def brick_with(nodes, **parts):
@@ -166,6 +166,9 @@ def test_contradictions_are_refused():
         InputError, match=r"node 5 at \(0, 0, 1\) m follows in two ways, by rigid link a and by rigid link b"
     ):
         assemble_structure(twice)
+    weightless = Average(8, np.array([4, 5, 6, 7]), np.array([1.0, 1.0, 1.0, 0.0]), name="lug")
+    with pytest.raises(InputError, match="average lug: weight 0; expected positive weights"):
+        assemble_structure(brick_with(node, averages=(weightless,)))
     loop = brick_with(np.empty((0, 3)), ties=(Tie(1, 2, name="a"), Tie(2, 3, name="b"), Tie(3, 1, name="c")))
     with pytest.raises(InputError, match="follow themselves through tie a and tie b and tie c"):
         assemble_structure(loop)
@@ -189,3 +192,18 @@ def test_solids_of_a_structure_are_those_of_a_mesh(mass):
     mesh = assemble(Mesh(structure.nodes, structure.solids[0].elements, "hex8"), STEEL, mass=mass)
     np.testing.assert_allclose(found.stiffness.toarray(), mesh.stiffness.toarray(), rtol=1e-12)
     np.testing.assert_allclose(found.mass.toarray(), mesh.full_mass().toarray(), rtol=1e-9, atol=1e-9)
+
+
+def test_a_link_to_a_line_of_solid_nodes_turns_about_it_and_is_refused():
+    """Along an axis of the structure the rotation is held and told; about an inclined line it is refused."""
+    along = brick_with(np.array([0.5, 0.0, 1.0]), links=(RigidLink(8, np.array([4, 5])),))
+    model = assemble_structure(along)
+    assert model.fixed_dofs.tolist() == [27]
+    assert model.notes[-1].startswith("1 rotations of 1 nodes are held")
+    inclined = brick_with(np.array([0.5, 0.5, 1.0]), links=(RigidLink(8, np.array([4, 6])),))
+    with pytest.raises(
+        InputError, match=r"node 9 at \(0.5, 0.5, 1\) m: turns freely about the axis \(-?0.707, -?0.707, "
+    ):
+        assemble_structure(inclined)
+    three = brick_with(np.array([0.5, 0.5, 1.0]), links=(RigidLink(8, np.array([4, 6, 7])),))
+    assert assemble_structure(three).fixed_dofs.size == 0

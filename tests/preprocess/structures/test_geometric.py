@@ -21,7 +21,8 @@ TURN *= np.linalg.det(TURN)
 
 def buckling(K, Kg, count=1):
     """Lowest factors lambda of K phi = -lambda K_g phi."""
-    return 1.0 / eigh(-Kg, K, eigvals_only=True)[::-1][:count]
+    highest = eigh(-Kg, K, eigvals_only=True, subset_by_index=[len(K) - count, len(K) - 1])
+    return 1.0 / highest[::-1]
 
 
 def cantilever(count, length=2.0):
@@ -88,26 +89,37 @@ def test_tension_stiffens_as_a_string_does(width):
     assert np.abs(Kg @ shift).max() < 1e-9 * np.abs(Kg).max()
 
 
-@pytest.mark.parametrize(("n", "lowest", "highest"), [(8, 4.05, 4.11), (16, 4.00, 4.02)])
-def test_simply_supported_square_plate_buckles_at_four(n, lowest, highest):
-    """k = sigma 12 (1 - nu^2) b^2 / (pi^2 E t^2): 4 for a thin plate (Timoshenko and Gere), reached from above."""
-    t = 0.01
-    s, r = (x.ravel() for x in np.meshgrid(np.linspace(0, 1, n + 1), np.linspace(0, 1, n + 1), indexing="ij"))
-    i = np.arange((n + 1) ** 2).reshape(n + 1, n + 1)
+@pytest.mark.parametrize(
+    ("ratio", "n", "exact", "independent"),
+    [(1.0, 8, 4.0, 4.082), (1.0, 16, 4.0, 4.013), (1.4, 16, 4.4702, 4.489), (2.0, 16, 4.0, 4.015)],
+)
+def test_simply_supported_plate_buckles_as_a_thin_one(ratio, n, exact, independent):
+    """k = sigma 12 (1 - nu^2) b^2 / (pi^2 E t^2) = min (m b/a + a/(m b))^2 (Timoshenko and Gere), from above.
+
+    n elements across; the other numbers are of an independent program.
+    """
+    t, along = 0.01, round(n * ratio)
+    assert exact == pytest.approx(min((m / ratio + ratio / m) ** 2 for m in (1, 2, 3)), rel=1e-4)
+    s, r = (
+        x.ravel()
+        for x in np.meshgrid(np.linspace(0, ratio, along + 1), np.linspace(0, 1, n + 1), indexing="ij")
+    )
+    i = np.arange(s.size).reshape(along + 1, n + 1)
     quads = np.stack([i[:-1, :-1], i[1:, :-1], i[1:, 1:], i[:-1, 1:]], -1).reshape(-1, 4)
     structure = Structure(np.column_stack([s, r, 0 * s]), shells=(Shells("p", quads, STEEL, t),))
     model = assemble_structure(structure)
     N = len(s)
     u = np.zeros(model.dof_count)
     u[: 3 * N] = np.column_stack([-s, NU * r, 0 * s]).ravel() / E  # sigma_x = -1
-    edge = (s < 1e-9) | (s > 1 - 1e-9) | (r < 1e-9) | (r > 1 - 1e-9)
+    edge = (s < 1e-9) | (s > ratio - 1e-9) | (r < 1e-9) | (r > 1 - 1e-9)
     bending = np.concatenate(
         [3 * np.arange(N)[~edge] + 2, 3 * N + 3 * np.arange(N), 3 * N + 3 * np.arange(N) + 1]
     )
     K = model.stiffness.toarray()[np.ix_(bending, bending)]
     Kg = geometric_stiffness(structure, model, u).toarray()[np.ix_(bending, bending)]
     k = buckling(K, Kg)[0] * 12.0 * (1.0 - NU**2) / (np.pi**2 * E * t**2)
-    assert lowest < k < highest
+    assert k == pytest.approx(independent, rel=1e-3)
+    assert exact < k < exact * (1.0 + 1.5 / n**2 + 0.001)
 
 
 def test_displacements_that_do_not_fit_are_refused():

@@ -135,3 +135,42 @@ def test_a_membrane_has_no_rotations_and_no_thickness_is_refused():
     for thickness in (0.0, -0.01, np.nan):
         with pytest.raises(InputError, match=r"plate 1 of web at .*positive thickness"):
             assemble_structure(Structure(nodes, shells=(Shells("web", corners, STEEL, thickness),)))
+
+
+@pytest.mark.parametrize("width", [4, 3])
+def test_stiffness_does_not_depend_on_the_first_node(width):
+    corners = np.array([[0, 0, 0.1], [1.2, 0.1, -0.1], [1.1, 0.9, 0.2], [-0.1, 1.0, -0.1]])[:width]
+    found = []
+    for k in range(width):
+        shells = Shells("p", np.roll(np.arange(width), k)[None], STEEL, 0.05, offset=0.02)
+        found.append(assemble_structure(Structure(corners, shells=(shells,))).stiffness.toarray())
+    for other in found[1:]:
+        np.testing.assert_allclose(other, found[0], atol=1e-9 * np.abs(found[0]).max())
+
+
+@pytest.mark.parametrize("width", [4, 3])
+@pytest.mark.parametrize(("factor", "shear"), [(1.0, 5.0 / 6.0), (1.0, 0.0), (2.5, 0.5)])
+def test_a_strip_bends_and_shears_as_a_beam_does(width, factor, shear):
+    """F L^3 / (3 E I) + F L / (k G A) at nu = 0, with factors of bending and shear; 0 is none of its flexibility."""
+    material = Material(2.1e11, 0.0, 7850.0)
+    L, b, t, n = 1.0, 0.1, 0.3, 24
+    x, y = (a.ravel() for a in np.meshgrid(np.linspace(0, L, n + 1), [0.0, b], indexing="ij"))
+    i = np.arange(x.size).reshape(n + 1, 2)
+    elements = np.stack([i[:-1, 0], i[1:, 0], i[1:, 1], i[:-1, 1]], -1)
+    if width == 3:
+        elements = np.concatenate([elements[:, [0, 1, 2]], elements[:, [0, 2, 3]]])
+    shells = Shells("p", elements, material, t, bending_factor=factor, shear_factor=shear)
+    model = assemble_structure(Structure(np.column_stack([x, y, 0 * x]), shells=(shells,)))
+    N = x.size
+    load = np.zeros(model.dof_count)
+    load[3 * i[-1] + 2] = 500.0
+    held = np.concatenate([3 * i[0] + k for k in range(3)] + [3 * N + 3 * i[0] + k for k in range(3)])
+    free = np.setdiff1d(np.arange(model.dof_count), held)
+    K = model.stiffness.toarray()[np.ix_(free, free)]
+    u = np.zeros(model.dof_count)
+    u[free] = np.linalg.solve(K, load[free])
+    bent = 1000.0 * L**3 / (3.0 * 2.1e11 * factor * b * t**3 / 12.0)
+    sheared = 1000.0 * L / (shear * 1.05e11 * b * t) if shear else 0.0
+    # triangles add a tenth of the square of their longest edge to that of the thickness, in the shear
+    stabilised = 1.0 + 0.1 * ((L / n) ** 2 + b**2) / t**2 if width == 3 else 1.0
+    assert u[3 * i[-1, 0] + 2] == pytest.approx(bent + sheared * stabilised, rel=4e-3)

@@ -10,7 +10,7 @@ from mesh_contact_scenes import DOWN
 from numpy.typing import NDArray
 
 from heavylift.contours.triangles.body_surface import body_surface
-from heavylift.modal.bases import Basis, eigenmode_basis, place_loads, static_vectors
+from heavylift.modal.bases import Basis, Loads, eigenmode_basis, place_loads, static_vectors
 from heavylift.modal.eigen import eigenmodes
 from heavylift.modal.flexibility import Flexibility
 from heavylift.modal.reduced import ReducedBody
@@ -18,6 +18,8 @@ from heavylift.modal.reduction import reduce_body
 from heavylift.preprocess.finite_elements.blocks import Box, mesh_blocks
 from heavylift.preprocess.finite_elements.elasticity import assemble
 from heavylift.preprocess.finite_elements.model import Material
+from heavylift.preprocess.structures.assemble import assemble_structure
+from heavylift.preprocess.structures.structure import Shells, Structure
 from heavylift.preprocess.surfaces.triangle_surface import TriangleSurface
 from heavylift.solver.scene.collisions import Collision, CollisionSurface
 from heavylift.solver.scene.scene import FlexibleBody, Gravity, Scene
@@ -102,14 +104,19 @@ def touching(
 
 
 def beam_on_springs(
-    places: NDArray[np.float64], stiffness: float, load: float, elements: int = 160, force: float = 0.0
+    places: NDArray[np.float64],
+    stiffness: float,
+    load: float,
+    elements: int = 160,
+    force: float = 0.0,
+    height: float = HEIGHT,
 ) -> NDArray[np.float64]:
     """Forces of springs that push only under a free Timoshenko beam.
 
     It has a line load [N/m] and a force in its middle [N]. Two-node elements with exact static shape functions
     (Przemieniecki 1968); springs that would pull are taken away.
     """
-    E, A, I = YOUNG, WIDTH * HEIGHT, WIDTH * HEIGHT**3 / 12.0
+    E, A, I = YOUNG, WIDTH * height, WIDTH * height**3 / 12.0
     L = LENGTH / elements
     phi = 12.0 * E * I / (0.5 * E * 5.0 / 6.0 * A * L**2)  # nu = 0: G = E/2
     one = np.array(
@@ -136,3 +143,29 @@ def beam_on_springs(
         if np.array_equal(found > 0.0, pushes):
             return np.where(pushes, found, 0.0)
         pushes = found > 0.0
+
+
+@cache
+def plate(
+    thickness: float = 0.05,
+    offset: float = 0.0,
+    modes: int = 8,
+    under: tuple[float, ...] = (),
+) -> ReducedBody:
+    """As long and wide as the bar, of shell elements; with static vectors of line forces across it along z."""
+    x, y = np.linspace(-0.5 * LENGTH, 0.5 * LENGTH, 33), np.linspace(-0.5 * WIDTH, 0.5 * WIDTH, 5)
+    nodes = np.stack([*(one.ravel() for one in np.meshgrid(x, y, indexing="ij")), np.zeros(165)], axis=1)
+    a = (np.arange(32)[:, np.newaxis] * 5 + np.arange(4)).ravel()
+    elements = np.stack([a, a + 5, a + 6, a + 1], axis=1)
+    structure = Structure(
+        nodes, (Shells("plate", elements, Material(YOUNG, 0.0, DENSITY), thickness, offset),)
+    )
+    model = assemble_structure(structure)
+    flexibility = Flexibility(model, np.empty(0, dtype=np.int64))
+    basis: Basis = eigenmode_basis(eigenmodes(model, modes, flexibility=flexibility))
+    if under:
+        forces = np.zeros((model.dof_count, len(under)))
+        for k, place in enumerate(under):
+            forces[3 * np.flatnonzero(np.abs(nodes[:, 0] - place) < 1e-9) + 2, k] = 0.2
+        basis += static_vectors(flexibility, Loads(forces, tuple(f"line {k}" for k in range(len(under)))))
+    return reduce_body(model, basis.vectors, basis.labels, mean_axis=True)

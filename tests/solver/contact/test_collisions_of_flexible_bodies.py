@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from flexible_surfaces import HEIGHT, LENGTH, MASS, bar, beam_on_springs, flexible, skin, touching
+from flexible_surfaces import HEIGHT, LENGTH, MASS, bar, beam_on_springs, flexible, plate, skin, touching
 from mesh_contact_scenes import DOWN, G, run, turn
 
 from heavylift.numerics.outcome import InputError
@@ -311,6 +311,34 @@ def test_the_surface_of_tetrahedra_lies_on_a_floor_too():
     body = flexible("bar", reduced, (0.0, 0.0, 0.5 * HEIGHT + 1e-3), 0.3)
     found = run(touching((body,), FLOOR, LinearLaw(2e6, 4e4), patch_size=2.0), 1e-3, 0.5)
     assert np.isclose(found["touch_1.normal_force"][-1], WEIGHT, rtol=1e-4)
+
+
+# ---- plates ----
+
+
+@pytest.mark.parametrize("offset", [0.0, 0.01])
+def test_a_plate_of_shells_lies_on_both_of_its_sides(offset):
+    """Its middle surface, moved by its offset from the nodes, is half of the thickness over the floor, and under it."""
+    reduced = plate(0.05, offset)
+    weight = reduced.integrals.mass * G
+    for up, orientation in ((1.0, (1.0, 0.0, 0.0, 0.0)), (-1.0, (0.0, 1.0, 0.0, 0.0))):
+        height = 0.025 - up * offset
+        body = flexible("plate", reduced, (0.0, 0.0, height + 1e-3), 0.3, orientation=np.array(orientation))
+        found = run(touching((body,), FLOOR, LinearLaw(2e6, 2e4), patch_size=10.0), 1e-3, 0.6)
+        assert np.isclose(found["touch_1.normal_force"][-1], weight, rtol=1e-5)
+        assert abs(found["plate.position"][-1, 2] - height) < 1e-3
+
+
+def test_a_plate_of_shells_lies_on_three_springs():
+    """As a thin beam does."""
+    stiffness = 2e4
+    body = flexible("plate", plate(0.05, modes=6, under=tuple(SUPPORTS)), (0.0, 0.0, 0.025), 0.3)
+    scene = touching((body,), rollers(SUPPORTS), LinearLaw(stiffness, 1e3), patch_size=1.0, friction=FRICTION)
+    found = forces(run(scene, 2e-3, 4.0), 3)
+    weight = body.reduced.integrals.mass * G
+    assert np.isclose(found.sum(), weight, rtol=1e-3)
+    expected = beam_on_springs(SUPPORTS, stiffness, weight / LENGTH, height=0.05)
+    np.testing.assert_allclose(found, expected, rtol=5e-3)
 
 
 # ---- bad input ----
