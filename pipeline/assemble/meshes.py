@@ -145,7 +145,7 @@ def check_points(
     """Points that it carries lie on the mesh, and pulleys turn about its tangent."""
     for key, point in points:
         check_on_mesh(body, point, case.file, key)
-    if body.SHAPE == "curve":
+    if body.SHAPE == "curve" and not body.HAS_AXES:
         check_pulleys(case, body)
 
 
@@ -158,7 +158,7 @@ def check_drawn_points(
             check_on_mesh(body, point, case.file, key)
         except InputError as error:
             yield key, error
-    if body.SHAPE == "curve":
+    if body.SHAPE == "curve" and not body.HAS_AXES:
         check_pulleys(case, body)
 
 

@@ -130,8 +130,8 @@ def _place_nodes(
 def _static_states(flexibility: Flexibility, body: FlexibleBodySection) -> list[StaticState]:
     """Equilibrium under each static load case of a body, with the buckling factors that are asked for."""
     from heavylift.modal.buckling import buckling
-    from heavylift.modal.load_stiffness import stress_stiffness
     from heavylift.modal.statics import solve_static
+    from heavylift.modal.stress_stiffness import stress_stiffness
 
     model, cases = flexibility.model, body.static
     asked = [index for index, one in enumerate(cases) if one.buckling]
@@ -359,7 +359,7 @@ def _stiffened(
     from heavylift.modal.bases import Loads, place_loads
     from heavylift.modal.flexibility import Flexibility
     from heavylift.modal.interfaces import attachment_loads
-    from heavylift.modal.load_stiffness import inertia_stiffening, stress_stiffness, with_loads
+    from heavylift.modal.stress_stiffness import inertia_stiffening, stress_stiffness, with_loads
 
     free = body.frame.motion == "free"
     if free and (model.fixed_nodes.size or model.fixed_dofs.size):

@@ -10,8 +10,8 @@ import pytest
 from heavylift.modal.bases import patch_loads
 from heavylift.modal.buckling import buckling
 from heavylift.modal.flexibility import Flexibility, apply_mass
-from heavylift.modal.load_stiffness import stress_stiffness
 from heavylift.modal.statics import face_forces, solve_static
+from heavylift.modal.stress_stiffness import stress_stiffness
 from heavylift.preprocess.finite_elements.blocks import Box, mesh_blocks
 from heavylift.preprocess.finite_elements.elasticity import assemble
 from heavylift.preprocess.finite_elements.groups import OnPlane

@@ -12,10 +12,10 @@ import scipy.linalg
 from heavylift.modal.bases import eigenmode_basis, place_loads
 from heavylift.modal.eigen import eigenmodes
 from heavylift.modal.flexibility import Flexibility
-from heavylift.modal.load_stiffness import inertia_stiffening, stress_stiffness, with_loads
 from heavylift.modal.reduced import ReducedBody
 from heavylift.modal.reduction import reduce_body
 from heavylift.modal.stiffening import Stiffening
+from heavylift.modal.stress_stiffness import inertia_stiffening, stress_stiffness, with_loads
 from heavylift.numerics.outcome import InputError
 from heavylift.preprocess.finite_elements.blocks import Box, mesh_blocks
 from heavylift.preprocess.finite_elements.elasticity import assemble

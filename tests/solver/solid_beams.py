@@ -11,10 +11,10 @@ import numpy as np
 from heavylift.modal.bases import Basis, Loads, eigenmode_basis, place_loads, static_vectors
 from heavylift.modal.eigen import eigenmodes
 from heavylift.modal.flexibility import Flexibility
-from heavylift.modal.load_stiffness import inertia_stiffening, stress_stiffness, with_loads
 from heavylift.modal.place_rotation import place_rotation
 from heavylift.modal.reduced import ReducedBody
 from heavylift.modal.reduction import reduce_body
+from heavylift.modal.stress_stiffness import inertia_stiffening, stress_stiffness, with_loads
 from heavylift.preprocess.finite_elements.blocks import Box, mesh_blocks
 from heavylift.preprocess.finite_elements.elasticity import assemble
 from heavylift.preprocess.finite_elements.groups import OnPlane

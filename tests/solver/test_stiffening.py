@@ -13,9 +13,9 @@ from solid_beams import BENDING, DENSITY, LENGTH, SIDE, beam, cantilever
 from heavylift.modal.bases import eigenmode_basis
 from heavylift.modal.eigen import eigenmodes
 from heavylift.modal.flexibility import Flexibility
-from heavylift.modal.load_stiffness import inertia_stiffening, stress_stiffness
 from heavylift.modal.reduced import ReducedBody
 from heavylift.modal.reduction import reduce_body
+from heavylift.modal.stress_stiffness import inertia_stiffening, stress_stiffness
 from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.preprocess.finite_elements.blocks import Box, mesh_blocks
 from heavylift.preprocess.finite_elements.elasticity import assemble
@@ -265,3 +265,14 @@ def test_a_step_too_long_for_the_stiffening_is_halved_and_no_step_ends_with_a_wo
     far.advance(1)
     assert far.outcome is Outcome.NOT_CONVERGED
     assert "body 'beam': its stiffening by loads takes a shorter step" in far.message
+
+
+def test_a_run_goes_on_from_its_state_bit_by_bit() -> None:
+    """With what joints have pulled in the last steps."""
+    whole, first = pulled(0.5 * CRITICAL, "joint"), pulled(0.5 * CRITICAL, "joint")
+    whole.advance(40)
+    first.advance(20)
+    again = pulled(0.5 * CRITICAL, "joint")
+    again.restore(first.state())
+    again.advance(20)
+    np.testing.assert_array_equal(again.record(), whole.record())

@@ -292,3 +292,18 @@ def test_what_a_rod_is_not_given() -> None:
     with pytest.raises(InputError, match=r"twisted by 57\.3 deg"):
         Simulation(Scene((rod(2, twist=2.0),), ()), 1e-3)
     Simulation(Scene((replace(good, loads=(DistributedLoad(np.array([0.0, 0.0, -1.0])),)),), ()), 1e-3)
+
+
+def test_a_run_goes_on_from_its_state_bit_by_bit() -> None:
+    """Carried strains, those of torsion too."""
+    runs = [Simulation(_swinging(), 2e-5) for _ in range(3)]
+    runs[0].advance(20)
+    runs[1].advance(10)
+    runs[2].restore(runs[1].state())
+    runs[2].advance(10)
+    np.testing.assert_array_equal(runs[2].record(), runs[0].record())
+
+
+def _swinging() -> Scene:
+    """A clamped rod that begins to turn."""
+    return Scene((rod(4, angular_velocity=np.array([10.0, 0.0, 0.0])),), ())

@@ -1,7 +1,4 @@
-"""Stiffening of the modes of a body from its finite element model: static answers to unit loads and their stress.
-
-See `heavylift.modal.stiffening`.
-"""
+"""Geometric stiffness by the stress of unit loads, and what it does to modes (`heavylift.modal.stiffening`)."""
 
 from __future__ import annotations
 
