@@ -20,7 +20,7 @@ from __future__ import annotations
 import re
 from collections import Counter
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, NamedTuple, NoReturn
+from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn, Protocol
 
 import numpy as np
 
@@ -42,7 +42,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from heavylift.preprocess.finite_elements.abaqus_deck import Assembler, Scope
+    from heavylift.preprocess.finite_elements.deck import ElementBlock
 
 __all__ = ["FRAME_KEYWORDS", "Card", "FrameMaker", "general_key", "general_material"]
 
@@ -141,6 +141,54 @@ class _Section(NamedTuple):
     beside: list[Card]
 
 
+Scope = Any
+"""A part, or a deck without parts, as the reader has it: it goes back to the reader as it came."""
+
+
+class Assembled(Protocol):
+    """What the reader knows of a deck whose instances have been placed: numbers, sets, cards of its parts."""
+
+    reader: Any
+    placed: list[Any]
+    points: list[NDArray[np.float64]]
+    blocks: list[ElementBlock]
+    frame_materials: list[DeckMaterial]
+
+    def elements_of(self, scope: Scope, place: int | None, name: str) -> NDArray[np.int64]:
+        """Elements of a set by its name as a part says it."""
+        ...
+
+    def named_nodes(self, scope: Scope, place: int | None, word: str) -> NDArray[np.int64]:
+        """Rows of a node, of a node of an instance or of a set."""
+        ...
+
+    def surface_nodes(
+        self, scope: Scope, place: int | None, name: str
+    ) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+        """Rows of a surface, and the area that belongs to each of them."""
+        ...
+
+    def numbered_blocks(self) -> list[tuple[int, ElementBlock]]:
+        """First number of each block, and the block."""
+        ...
+
+    def element_label(self, index: int) -> str:
+        """Number of an element in the file."""
+        ...
+
+    def node_label(self, row: int) -> str:
+        """Number of a node in the file."""
+        ...
+
+    def third_node(self, index: int) -> int | None:
+        """Row of the third node of a beam, for its direction."""
+        ...
+
+    def point_element(self, index: int, card: Card) -> NDArray[np.int64]:
+        """Row of the node of a mass element."""
+        ...
+
+
 class FrameMaker:
     """From what the reader has kept to a frame.
 
@@ -152,7 +200,7 @@ class FrameMaker:
         Entry of the materials of the deck by upper-case name.
     """
 
-    def __init__(self, assembler: Assembler, materials: dict[str, int]) -> None:
+    def __init__(self, assembler: Assembled, materials: dict[str, int]) -> None:
         self.all, self.materials = assembler, materials
         self.said: Counter[str] = Counter()
         self.refused: Counter[str] = Counter()
@@ -608,7 +656,8 @@ class FrameMaker:
         ties: list[Tie] = []
         for place, one in enumerate(self.all.placed):
             coupling: Card | None = None
-            for card in one.part.frame_cards:
+            cards: list[Card] = one.part.frame_cards
+            for card in cards:
                 key = card.keyword
                 if key in _REFUSED:
                     self.refused[key] += 1
