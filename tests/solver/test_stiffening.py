@@ -248,6 +248,27 @@ def test_loads_that_modes_do_not_tell_apart_are_refused() -> None:
         Simulation(Scene((beam(replace(bare, stiffening=part)),), ()), 1e-4)
 
 
+def test_a_hanging_bar_that_is_free_stays_at_rest() -> None:
+    """Equilibrium and motion know the same loads: the ball joint that carries it, and a force at its other end.
+
+    Its weight is no load at a place: with the joint it is in balance.
+    """
+    ends = ((0.0, 0.0, 0.0), TIP)
+    reduced = cantilever(modes=6, points=ends, free=True, young=2e9, stiffening=True)
+    assert reduced.stiffening is not None
+    half = np.sqrt(0.5)  # turned about y: its x axis points downwards
+    body = beam(reduced, motion=Free(), orientation=np.array([half, 0.0, half, 0.0]))
+    pin = Ball(name="pin", body_a="ground", body_b="beam", frame_b=JointFrame(np.zeros(3)))
+    push = PointForce("push", "beam", np.array(TIP), np.zeros(1), np.array([[0.5, 0.0, 0.0]]))
+    scene = Scene((body,), (Gravity(np.array([0.0, 0.0, -2e2])), push), joints=(pin,))
+    run = Simulation(scene, 1e-4, record_every=10, start="equilibrium")
+    first = next(c.column for c in run.channels if c.name == "beam.modal_position")
+    modes = slice(first, first + reduced.mode_count)
+    at_rest = run.record()[modes]
+    _, records = run.advance(2000)
+    assert np.abs(records[:, modes] - at_rest).max() < 1e-4 * np.abs(at_rest).max()
+
+
 def test_a_step_too_long_for_the_stiffening_is_halved_and_no_step_ends_with_a_word() -> None:
     """``h^2 g < 4``: the change g is largest for the static vector of the load, whose shape is sharpest."""
     reduced = cantilever(modes=6, points=(TIP,), stiffening=True)

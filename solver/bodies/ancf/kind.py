@@ -235,6 +235,8 @@ class MeshNumbers(Record, whole_lines=True):
     iterations, change, change_before
         Of the energy-momentum scheme: rounds in the step, last change [m] and the one before; a negative change before
         the first round.
+    largest_twist
+        Largest sine of the twist of an element of a rod in the records so far.
     scratch
         For any use.
     """
@@ -268,6 +270,7 @@ class MeshNumbers(Record, whole_lines=True):
     motion: float
     largest_ringing: float
     largest_motion: float
+    largest_twist: float
     scratch: Matrix3
 
 

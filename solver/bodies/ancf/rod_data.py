@@ -81,11 +81,14 @@ class RodData(Record):
         Scalar matrices of the eight nodal vectors; there is no constant bending matrix.
     torque
         Moment about the axis of a unit strain of torsion.
+    length
+        Of the axis, unloaded [m].
     """
 
     mass: Annotated[NDArray[np.float64], (VECTORS, VECTORS)]
     bending: Annotated[NDArray[np.float64], (VECTORS, VECTORS)]
     torque: float
+    length: float
 
 
 WORD = 8

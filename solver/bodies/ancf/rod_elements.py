@@ -257,7 +257,10 @@ def record_rod_elements(kind: RodMeshes, body: int, row: Floats1) -> None:
         own = frame_data(kind.constants, kind.elements[e].data + ROD_FRAME)
         tensions[number], _ = _section_forces(kind, e, STRESS_PLACES // 2)
         twist = kind.shape_strain[kind.elements[e].strain + TWIST]
-        torques[number] = rod_data(kind.constants, kind.elements[e].data).torque * twist
+        of_rod = rod_data(kind.constants, kind.elements[e].data)
+        torques[number] = of_rod.torque * twist
+        sine = of_rod.length * (twist + rod_strain(kind.constants, kind.elements[e].data, TWIST).rest)
+        kind.body[body].largest_twist = max(kind.body[body].largest_twist, abs(sine))
         largest = lost = 0.0
         for place in range(STRESS_PLACES):
             force, moment = _section_forces(kind, e, place)

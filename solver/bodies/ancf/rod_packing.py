@@ -178,7 +178,7 @@ def _data(
     stiffness = section.torsional_stiffness / (1.0 - sine**2)
     half = 0.5 / length
     put(stiffness * length, height, (half * e1, d2), (-half * d1, e2))
-    own.torque = stiffness
+    own.torque, own.length = stiffness, length
     whole = 0.5 * axial * length
     for first in (0, 4):
         t, d, e = (np.eye(VECTORS)[first + k] for k in (1, 2, 3))

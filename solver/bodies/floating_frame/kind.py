@@ -271,17 +271,21 @@ class FloatingFrameBodies(FrameBodies):
         self.frame["lag"] = 0.0
         self.frame["at_end"] = False
 
-    def _soften(self, load: NDArray[np.float64]) -> None:
-        """Add what loads at places do to the stiffness: those that are there, and the joints of `take_reactions`."""
+    def _soften(self, load: NDArray[np.float64], gravity: NDArray[np.float64]) -> None:
+        """Add what loads at places do to the stiffness: those that are there, and the joints of `take_reactions`.
+
+        The weight that is among the loads is none of them.
+        """
         for number, row in enumerate(self.table):
             if row.load_count:
                 n, m = row.mode_count, row.load_count
                 own = slice(row.dof + 6, row.dof + 6 + n)
                 at = row.stiffening + 7 * n * n
                 G = self.constants[at : at + m * n * n].reshape(m, n, n)
-                factors = self.row_loads[0, row.first_load : row.first_load + m] + self._loads_of(
-                    number, load
-                )
+                acting = load.copy()
+                acting[row.dof : row.dof + 3] -= self.frame[number].mass * gravity
+                of_joints = self.row_loads[0, row.first_load : row.first_load + m]
+                factors = of_joints + self._loads_of(number, acting)
                 q = self.modal_position[row.first_mode : row.first_mode + n]
                 load[own] -= np.tensordot(factors, G, axes=1) @ q
 
@@ -312,7 +316,7 @@ class FloatingFrameBodies(FrameBodies):
         """The weight of the deformed bodies, ``-k q``, and what the weight does to the stiffness."""
         super().collect_load(work, load)
         own = self._modal_dofs()
-        self._soften(load)
+        self._soften(load, work.sums.gravity)
         load[own] -= self.stiffness * self.modal_position
         for row, frame in zip(self.table, self.frame, strict=True):
             modes = slice(row.first_mode, row.first_mode + row.mode_count)

@@ -307,3 +307,14 @@ def test_a_run_goes_on_from_its_state_bit_by_bit() -> None:
 def _swinging() -> Scene:
     """A clamped rod that begins to turn."""
     return Scene((rod(4, angular_velocity=np.array([10.0, 0.0, 0.0])),), ())
+
+
+def test_an_element_that_twists_far_is_told() -> None:
+    """At half a radian; more elements of the same rod are not."""
+    soft = replace(STEEL, torsional_stiffness=40.0)
+    for n, told in ((2, True), (8, False)):
+        body = rod(n, section=soft, angular_velocity=np.array([800.0, 0.0, 0.0]))
+        run = Simulation(Scene((body,), ()), 1e-4)
+        run.advance(80)
+        twist = run.record()[column(run, "rod.twisting_moment")] / 40.0 / n
+        assert ("an element of 'rod' twists" in run.warning) == told, twist
