@@ -41,6 +41,7 @@ Rounding alone gives 1e-16 times the ratio of the mesh's largest eigenvalue to w
 ORTHOGONALITY_LIMIT = 1e-8
 
 _KRYLOV_TOLERANCE = 1e-8
+_REFINEMENTS = 4  # of modes that converged as eigenvalues, but not yet as shapes
 _DENSE_UNKNOWNS = 500  # below, the dense solver is as fast
 _DENSE_LIMIT = 6000  # above, a dense matrix is no alternative even if most modes are wanted
 
@@ -178,6 +179,11 @@ def eigenmodes(
         values, shapes = values[values <= highest], shapes[:, values <= highest]
     shapes = signed(shapes)
     residuals = relative_residuals(model, values, shapes, free=body.dofs)
+    for _ in range(_REFINEMENTS):
+        if np.all(residuals <= RESIDUAL_LIMIT):
+            break
+        values, shapes = _refined(body, shapes)
+        residuals = relative_residuals(model, values, shapes, free=body.dofs)
     orthogonality = orthogonality_error(model, shapes)
     if not (np.all(residuals <= RESIDUAL_LIMIT) and orthogonality <= ORTHOGONALITY_LIMIT):
         raise ModesNotConvergedError(
@@ -250,6 +256,17 @@ def _iterative(
         )
 
     return 1.0 / pairs.values, pairs.vectors
+
+
+def _refined(
+    body: Flexibility, shapes: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Eigenvalues and shapes in the span of ``K^-1 M`` times the shapes: each has less of the higher modes."""
+    from scipy.linalg import eigh
+
+    V = body.solve(apply_mass(body.model.mass, shapes))
+    values, axes = eigh(V.T @ (body.model.stiffness @ V), V.T @ apply_mass(body.model.mass, V))
+    return values, signed(V @ axes)
 
 
 def _dense(

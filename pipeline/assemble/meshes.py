@@ -12,7 +12,7 @@ from heavylift.numerics.memory import refuse_beyond_memory
 from heavylift.numerics.outcome import InputError
 from heavylift.pipeline.assemble.described import assemble
 from heavylift.pipeline.assemble.frames import start_of_frame
-from heavylift.pipeline.case.meshes import CORNERS, EDGES
+from heavylift.pipeline.case.meshes import CORNERS, EDGES, RodBodySection
 from heavylift.solver.joints.edges import expand_edge
 from heavylift.solver.scene import meshes as m
 from heavylift.solver.scene.mesh_loads import numbered
@@ -145,7 +145,7 @@ def check_points(
     """Points that it carries lie on the mesh, and pulleys turn about its tangent."""
     for key, point in points:
         check_on_mesh(body, point, case.file, key)
-    if body.SHAPE == "curve":
+    if body.SHAPE == "curve" and not body.HAS_AXES:
         check_pulleys(case, body)
 
 
@@ -158,7 +158,7 @@ def check_drawn_points(
             check_on_mesh(body, point, case.file, key)
         except InputError as error:
             yield key, error
-    if body.SHAPE == "curve":
+    if body.SHAPE == "curve" and not body.HAS_AXES:
         check_pulleys(case, body)
 
 
@@ -187,20 +187,49 @@ def assemble_frame(
         ends = [{"start": 0, "end": len(mesh.nodes) - 1}[end] for end in support.at]
         found = _nodes(place, f"supports.{index}", support, mesh.nodes, ends)
         supports.append(m.Support(found, support.held))
-    frame = m.FrameBody(
-        name=name,
-        nodes=mesh.nodes,
-        tangents=mesh.tangents,
-        elements=mesh.elements,
-        sections=tuple(_frame_section(section) for section in sections),
-        element_sections=chosen,
-        model=body.model,
-        axial_strains=_prestrain(place, body, sections, chosen, mesh),
-        supports=tuple(supports),
-        loads=tuple(_load(place, index, load, mesh) for index, load in enumerate(body.loads)),
+    common: dict[str, Any] = {
+        "name": name,
+        "nodes": mesh.nodes,
+        "tangents": mesh.tangents,
+        "elements": mesh.elements,
+        "sections": tuple(
+            _frame_section(section, body.shear_modulus if isinstance(body, RodBodySection) else 0.0)
+            for section in sections
+        ),
+        "element_sections": chosen,
+        "model": body.model,
+        "axial_strains": _prestrain(place, body, sections, chosen, mesh),
+        "supports": tuple(supports),
+        "loads": tuple(_load(place, index, load, mesh) for index, load in enumerate(body.loads)),
         **_common(body, initial),
-    )
-    return _checked(place, frame)
+    }
+    if isinstance(body, RodBodySection):
+        return _checked(place, m.RodBody(normals=_normals(place, body, mesh), **common))
+    return _checked(place, m.FrameBody(**common))
+
+
+def _normals(place: Place, body: RodBodySection, mesh: FrameMesh) -> NDArray[np.float64]:
+    """First directors of the nodes of a rod, shape (n, 3): carried along without turning about it, then twisted."""
+    tangents, nodes = mesh.tangents, mesh.nodes
+    given = np.eye(3)[np.argmin(np.abs(tangents[0]))] if body.normal is None else np.asarray(body.normal)
+    across = given - (given @ tangents[0]) * tangents[0]
+    if np.linalg.norm(across) <= 1e-6 * np.linalg.norm(given):
+        raise place.error("normal", f"{list(given)} is along the first tangent", "a direction across it")
+    found = [across / np.linalg.norm(across)]
+    # two reflections: W. Wang and others, "Computation of rotation minimizing frames", ACM Trans. Graphics 27 (2008)
+    for i in range(len(nodes) - 1):
+        v = nodes[i + 1] - nodes[i]
+        normal = found[-1] - 2.0 * (v @ found[-1]) / (v @ v) * v
+        tangent = tangents[i] - 2.0 * (v @ tangents[i]) / (v @ v) * v
+        w = tangents[i + 1] - tangent
+        if w @ w > 0.0:
+            normal = normal - 2.0 * (w @ normal) / (w @ w) * w
+        found.append(normal / np.linalg.norm(normal))
+    along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(nodes, axis=0), axis=1))])
+    angle = body.twist * along / along[-1]
+    normals = np.array(found)
+    binormals = np.cross(tangents, normals)
+    return np.cos(angle)[:, None] * normals + np.sin(angle)[:, None] * binormals
 
 
 def assemble_shell(
@@ -270,9 +299,16 @@ def _common(body: Any, initial: Mapping[str, NDArray[np.float64]]) -> dict[str, 
     }
 
 
-def _frame_section(section: FrameSectionTable) -> m.FrameSection:
+def _frame_section(section: FrameSectionTable, shear_modulus: float) -> m.FrameSection:
     area, second_moment, outer_fibre = section.numbers
-    return m.FrameSection(section.density, section.young_modulus, area, second_moment, outer_fibre)
+    return m.FrameSection(
+        section.density,
+        section.young_modulus,
+        area,
+        second_moment,
+        outer_fibre,
+        shear_modulus * (section.torsion or 0.0),
+    )
 
 
 def _prestrain(

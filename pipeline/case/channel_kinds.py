@@ -54,7 +54,7 @@ RESERVED_NAMES = frozenset({"energy", "momentum", "time", "monitor", "scenario",
 
 COLLISION_CONTACT = {channel.name: channel.quantity for channel in Collision.CONTACT_CHANNELS}
 """Last parts of the channels of each recorded contact of a collision, ``NAME.contact_1.point``: name to kind."""
-MESH_TYPES = frozenset({"frame", "shell"})
+MESH_TYPES = frozenset({"frame", "rod", "shell"})
 """Types of bodies made of elements, whose channels have a component for every node or element."""
 
 CONTOUR_TYPES = frozenset({"surface", "curve", "cylinder", "band"})

@@ -195,6 +195,12 @@ class _ContourSection(Section):
         if context is None:
             return
         owner = context.names.body_types.get(self.body, "rigid" if self.body == GROUND else "")
+        if owner == "rod":
+            reject(
+                f"a contour on the rod {self.body!r}",
+                "a contour on a body of type 'frame': contacts push at an axis, which does not turn with them",
+                key="body",
+            )
         if owner in {"frame", "shell"}:
             self._check_own_shape(owner, given)
             return

@@ -23,6 +23,7 @@ from heavylift.pipeline.case.bodies import (
 )
 from heavylift.pipeline.case.described import Chosen
 from heavylift.pipeline.case.fields import (
+    Direction,
     LengthVector,
     Name,
     Positive,
@@ -36,7 +37,7 @@ from heavylift.pipeline.case.geometry import BoxGroup
 from heavylift.solver.scene.bodies import BODIES
 from heavylift.solver.scene.mesh_loads import FRAME_LOADS, SHELL_LOADS
 from heavylift.solver.scene.mesh_shapes import FRAME_SHAPES, SHELL_SHAPES
-from heavylift.solver.scene.meshes import Elasticity, FrameBody, FrameModel, ShellBody
+from heavylift.solver.scene.meshes import Elasticity, FrameBody, FrameModel, RodBody, ShellBody
 
 __all__ = [
     "BODY_SECTIONS",
@@ -56,6 +57,9 @@ __all__ = [
     "MeshDampingSection",
     "NodeNumber",
     "RegionSection",
+    "RodBodySection",
+    "RodFixedSection",
+    "RodSupportSection",
     "ShellBodySection",
     "ShellFixedSection",
     "ShellGeometry",
@@ -68,6 +72,9 @@ __all__ = [
 Count = Annotated[int, Field(ge=1, strict=True)]
 ElementNumber = Annotated[int, Field(ge=0, strict=True)]
 Angle = Annotated[float, Quantity("angle")]
+
+SQUARE_TORSION = 0.1405770
+"""J over the fourth power of the side of a square: S. Timoshenko and J. N. Goodier, *Theory of Elasticity*, 109."""
 
 
 FrameGeometry = Annotated[Any, Chosen(FRAME_SHAPES)]
@@ -100,6 +107,8 @@ class FrameSectionTable(_MaterialTable):
     """With `area`: second moment of area, the same about all axes [m^4]; 0 for a cable."""
     outer_fibre: Annotated[float, Quantity("length", minimum=0.0, closed=True)] | None = None
     """With `area`: distance of the outermost fibre from the axis [m], for bending stresses; 0 if absent."""
+    torsion_constant: Annotated[float, Positive("second moment of area")] | None = None
+    """Of a rod: J of its torsional stiffness G J [m^4]; by default that of a round section, tube or square."""
 
     @model_validator(mode="after")
     def _is_one_shape(self) -> Self:
@@ -118,6 +127,15 @@ class FrameSectionTable(_MaterialTable):
                 f"wall = {self.wall:g} m exceeds the radius", f"{0.5 * self.diameter:g} m at most", key="wall"
             )
         return self
+
+    @property
+    def torsion(self) -> float | None:
+        """J of the section [m4]: 2 I of a circle or a ring, 0.1406 a^4 of a square (Saint-Venant); None: not known."""
+        if self.torsion_constant is not None:
+            return self.torsion_constant
+        if self.side is not None:
+            return SQUARE_TORSION * self.side**4
+        return 2.0 * self.numbers[1] if self.diameter is not None else None
 
     @property
     def numbers(self) -> tuple[float, float, float]:
@@ -210,6 +228,15 @@ class FrameFixedSection(Section):
     """Of the tangent."""
 
 
+class RodFixedSection(FrameFixedSection):
+    """Which axes of the body are held of each vector of a node, such as ``"xz"``."""
+
+    normal: Axes | None = None
+    """Of the first director of the section."""
+    binormal: Axes | None = None
+    """Of its second director."""
+
+
 class ShellFixedSection(Section):
     """Which axes of the body are held of each vector of a node, such as ``"xz"``."""
 
@@ -277,6 +304,22 @@ class FrameSupportSection(_SupportSection):
         if self.fixed is not None:
             return {key: axes for key, axes in self.fixed.model_dump().items() if axes}
         return {"position": "xyz"} | ({"tangent": "xyz"} if self.fix == "clamped" else {})
+
+
+class RodSupportSection(FrameSupportSection):
+    """Nodes of a rod that are held to the ground."""
+
+    fix: Literal["pinned", "clamped"] | None = None
+    """``pinned`` holds the position, ``clamped`` the position, the tangent and the section."""
+    fixed: RodFixedSection | None = None
+    """In place of `fix`: axes by vector. ``{ position = "yz", normal = "xyz", binormal = "xyz" }`` lets it slide along
+    x, and holds its section."""
+
+    @property
+    def held(self) -> dict[str, str]:
+        """Axes that are held, by vector."""
+        more = {"normal": "xyz", "binormal": "xyz"} if self.fix == "clamped" else {}
+        return super().held | more
 
 
 class ShellSupportSection(_SupportSection):
@@ -359,7 +402,7 @@ class MeshBodySection(BodySection):
 class FrameBodySection(MeshBodySection):
     """A beam, cable or rod of cubic elements with large displacements and rotations; it has no torsion."""
 
-    BODY: ClassVar = FrameBody
+    BODY: ClassVar[type[FrameBody]] = FrameBody
     CHANNELS: ClassVar = FrameBody.CHANNELS
 
     type: Literal["frame"]
@@ -388,12 +431,51 @@ class FrameBodySection(MeshBodySection):
         check_regions(self.regions, self.sections)
         if self.axial_force is not None and self.axial_strain is not None:
             reject("both 'axial_force' and 'axial_strain'", "one of them", key="axial_strain")
-        if self.model == "green-lagrange" and self.geometry.DESCRIBED.CURVED:
+        curved = self.geometry.DESCRIBED.CURVED and not self.BODY.HAS_AXES
+        if self.model == "green-lagrange" and curved:
             reject(
                 f"model 'green-lagrange' with geometry {self.geometry.type!r}",
                 "model 'exact': the elements are curved",
                 key="model",
             )
+        return self
+
+
+class RodBodySection(FrameBodySection):
+    """A frame that twists: sections resist torsion and have rotary inertia, and joints on it pass all moments."""
+
+    BODY: ClassVar[type[FrameBody]] = RodBody
+    CHANNELS: ClassVar = RodBody.CHANNELS
+
+    type: Literal["rod"]  # type: ignore[assignment]  # another word
+    model: Literal["green-lagrange"] = "green-lagrange"
+    """Axial strain of Green-Lagrange."""
+    shear_modulus: Annotated[float, Positive("pressure")]
+    """G [Pa]."""
+    supports: tuple[RodSupportSection, ...] = ()
+    """What holds it to the ground."""
+    normal: Direction | None = None
+    """Direction of the first director at its first node, in axes of the geometry, of which the part across the tangent
+    counts; by default the axis of the geometry that is farthest from the tangent."""
+    twist: Annotated[float, Quantity("angle")] = 0.0
+    """By which the sections are turned from the first node to the last when unloaded, evenly along the length."""
+
+    @model_validator(mode="after")
+    def _resists_torsion(self) -> Self:
+        for key, section in (
+            ("section", self.section),
+            *((f"sections.{k}", s) for k, s in self.sections.items()),
+        ):
+            if section.torsion is None:
+                reject(
+                    "'area' without 'torsion_constant'",
+                    "both: a rod resists torsion",
+                    key=f"{key}.torsion_constant",
+                )
+            if not section.numbers[1] > 0.0:
+                reject("0", "a positive second moment of area of a rod", key=f"{key}.second_moment")
+        if self.elasticity == "explicit":
+            reject("'explicit' of a rod", "another one: its sections are stiff", key="elasticity")
         return self
 
 
@@ -433,6 +515,7 @@ class _BodySections:
         "flexible": FlexibleBodySection,
         "rigid": RigidBodySection,
         "frame": FrameBodySection,
+        "rod": RodBodySection,
         "shell": ShellBodySection,
     }
 

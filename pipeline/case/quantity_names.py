@@ -136,6 +136,7 @@ STRESSES = {
         *(f"{side}.{part}" for side in _SIDES for part in ("von_mises", "xx", "yy", "xy")),
     ),
     "frame": ("axial", "largest"),
+    "rod": ("axial", "largest"),
 }
 """Components of the stress at a material point, by the type of its body."""
 RECOVERED = {"von_mises": "pressure", "utilisation": "number", "buckling": "number", "hot_spot": "pressure"}

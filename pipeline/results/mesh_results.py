@@ -142,7 +142,7 @@ def mesh_shape(body: Any) -> MeshShape:
 
 def mesh_body(shape: MeshShape) -> FrameBody | ShellBody:
     """The body whose shape was stored; supports and loads are not part of it."""
-    from heavylift.solver.scene.meshes import FrameBody, FrameSection, ShellBody, ShellSection
+    from heavylift.solver.scene.meshes import FrameBody, FrameSection, RodBody, ShellBody, ShellSection
 
     rows = [dict(zip(shape.section_columns, row.tolist(), strict=True)) for row in shape.sections]
     common: dict[str, Any] = {
@@ -156,13 +156,15 @@ def mesh_body(shape: MeshShape) -> FrameBody | ShellBody:
     if shape.type == "shell":
         sections = tuple(ShellSection(**row) for row in rows)
         return ShellBody(slopes=shape.vectors, lengths=shape.lengths, sections=sections, **common)
-    return FrameBody(
-        tangents=shape.vectors[:, 0],
-        sections=tuple(FrameSection(**row) for row in rows),
-        model="exact" if shape.model == "exact" else "green-lagrange",
-        axial_strains=shape.axial_strains,
-        **common,
-    )
+    common |= {
+        "tangents": shape.vectors[:, 0],
+        "sections": tuple(FrameSection(**row) for row in rows),
+        "model": "exact" if shape.model == "exact" else "green-lagrange",
+        "axial_strains": shape.axial_strains,
+    }
+    if shape.vectors.shape[1] > 1:  # tangents, and directors of the sections
+        return RodBody(normals=shape.vectors[:, 1], **common)
+    return FrameBody(**common)
 
 
 def _prestrain(body: FrameBody | ShellBody) -> NDArray[np.float64]:

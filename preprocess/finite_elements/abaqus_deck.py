@@ -868,9 +868,11 @@ class Assembler:
 
     def _frame_maker(self) -> Callable[[], DeckFrame] | None:
         """Make the frame, when somebody asks; None if there is nothing for one."""
-        frame = {"shell elements", "beam elements"}
         some = any(one.part.frame_cards for one in self.placed)
-        some |= any(block.words.removesuffix(" without section") in frame for block in self.blocks)
+        some |= any(block.words.startswith(("shell", "beam")) for block in self.blocks)
+        some |= any(
+            block.harmless and block.nodes.size for block in self.blocks
+        )  # of meshers, without section
         return (lambda: FrameMaker(self, self.material_names).frame()) if some else None
 
     def elements_of(self, scope: Scope, place: int | None, name: str) -> NDArray[np.int64]:

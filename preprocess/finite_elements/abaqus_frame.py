@@ -20,7 +20,7 @@ from __future__ import annotations
 import re
 from collections import Counter
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, NamedTuple, NoReturn
+from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn, Protocol
 
 import numpy as np
 
@@ -42,7 +42,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from heavylift.preprocess.finite_elements.abaqus_deck import Assembler, Scope
+    from heavylift.preprocess.finite_elements.deck import ElementBlock
 
 __all__ = ["FRAME_KEYWORDS", "Card", "FrameMaker", "general_key", "general_material"]
 
@@ -114,6 +114,8 @@ _REFUSED = {
 }
 _SHELLS = re.compile(r"(S3R?S?|S4R?S?W?|S4R5|STRI3)$")
 _BEAMS = re.compile(r"B3[13]H?$")
+# what meshers write surfaces and lines as, without a section
+_MESHED_PLATES, _MESHED_BEAMS = re.compile(r"(CPS[34]|CPE[34]|M3D[34])R?$"), re.compile(r"T3D2$")
 
 
 def general_material(card: Card) -> DeckMaterial:
@@ -139,6 +141,54 @@ class _Section(NamedTuple):
     beside: list[Card]
 
 
+Scope = Any
+"""A part, or a deck without parts, as the reader has it: it goes back to the reader as it came."""
+
+
+class Assembled(Protocol):
+    """What the reader knows of a deck whose instances have been placed: numbers, sets, cards of its parts."""
+
+    reader: Any
+    placed: list[Any]
+    points: list[NDArray[np.float64]]
+    blocks: list[ElementBlock]
+    frame_materials: list[DeckMaterial]
+
+    def elements_of(self, scope: Scope, place: int | None, name: str) -> NDArray[np.int64]:
+        """Elements of a set by its name as a part says it."""
+        ...
+
+    def named_nodes(self, scope: Scope, place: int | None, word: str) -> NDArray[np.int64]:
+        """Rows of a node, of a node of an instance or of a set."""
+        ...
+
+    def surface_nodes(
+        self, scope: Scope, place: int | None, name: str
+    ) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+        """Rows of a surface, and the area that belongs to each of them."""
+        ...
+
+    def numbered_blocks(self) -> list[tuple[int, ElementBlock]]:
+        """First number of each block, and the block."""
+        ...
+
+    def element_label(self, index: int) -> str:
+        """Number of an element in the file."""
+        ...
+
+    def node_label(self, row: int) -> str:
+        """Number of a node in the file."""
+        ...
+
+    def third_node(self, index: int) -> int | None:
+        """Row of the third node of a beam, for its direction."""
+        ...
+
+    def point_element(self, index: int, card: Card) -> NDArray[np.int64]:
+        """Row of the node of a mass element."""
+        ...
+
+
 class FrameMaker:
     """From what the reader has kept to a frame.
 
@@ -150,7 +200,7 @@ class FrameMaker:
         Entry of the materials of the deck by upper-case name.
     """
 
-    def __init__(self, assembler: Assembler, materials: dict[str, int]) -> None:
+    def __init__(self, assembler: Assembled, materials: dict[str, int]) -> None:
         self.all, self.materials = assembler, materials
         self.said: Counter[str] = Counter()
         self.refused: Counter[str] = Counter()
@@ -219,7 +269,7 @@ class FrameMaker:
         solids = Counter({block.name: len(block.labels) for block in self.all.blocks if block.kind})
         cards = Counter(f"*{card.shown}" for one in self.all.placed for card in one.part.frame_cards)
         read = {**elements, **solids, **cards}
-        words = [f"read: {', '.join(f'{n} {name}' for name, n in sorted(read.items()))}"]
+        words = [f"read: {', '.join(f'{n} {name}' for name, n in sorted(read.items()))}"] if read else []
         left = self.all.reader.unread
         if left:
             words.append(f"left out: {', '.join(f'{n} *{key}' for key, n in sorted(left.items()))}")
@@ -331,7 +381,8 @@ class FrameMaker:
         found = []
         for start, block in self.all.numbered_blocks():
             own = start + np.flatnonzero(~done[start : start + len(block.labels)])
-            if _SHELLS.match(block.name) and own.size:
+            meshed = _MESHED_PLATES.match(block.name) and block.harmless
+            if (_SHELLS.match(block.name) or meshed) and own.size:
                 found.append(
                     DeckPlates(
                         name=block.name,
@@ -351,7 +402,8 @@ class FrameMaker:
         found = []
         for start, block in self.all.numbered_blocks():
             own = start + np.flatnonzero(~done[start : start + len(block.labels)])
-            if _BEAMS.match(block.name) and own.size:
+            meshed = bool(_MESHED_BEAMS.match(block.name)) and block.harmless
+            if (_BEAMS.match(block.name) or meshed) and own.size:
                 zeros = np.zeros((own.size, 3))
                 found.append(
                     DeckBeams(
@@ -365,6 +417,7 @@ class FrameMaker:
                         offset_b=zeros,
                         released=np.zeros((own.size, 12), dtype=bool),
                         loose=True,
+                        optional=meshed,
                     )
                 )
         return found
@@ -603,7 +656,8 @@ class FrameMaker:
         ties: list[Tie] = []
         for place, one in enumerate(self.all.placed):
             coupling: Card | None = None
-            for card in one.part.frame_cards:
+            cards: list[Card] = one.part.frame_cards
+            for card in cards:
                 key = card.keyword
                 if key in _REFUSED:
                     self.refused[key] += 1

@@ -742,7 +742,7 @@ def _shaped(shape: str, values: list[float], name: str) -> BeamSection:
         shear = ("I", (w3, w1, w2, t3, t1, t2))
     elif shape == "T":
         w1, w2, t1, t2 = values[:4]
-        shear = ("T2", (w1, w2, t1, t2))  # its flange lies below, as VM10 of the verification manual shows
+        shear = ("T2", (w1, w2, t1, t2))  # its flange lies below (VM10 of the verification manual)
     elif shape == "L":
         w1, w2, t1, t2 = values[:4]
         shear = ("L", (w1, w2, t1, t2))

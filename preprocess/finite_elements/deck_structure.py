@@ -177,6 +177,12 @@ def has_structure(deck: Deck, elements: Sequence[str], named: Sequence[str] = ()
         Groups that the case gives plates or beams for.
     """
     frame = deck.frame
+    if frame is None and named:
+        raise InputError(
+            f"has no plates and no beams, and the case has {named[0]!r}",
+            source=deck.source,
+            expected="no tables of plates and stiffeners for a body of solids",
+        )
     if frame is None:
         return False
     if named:
@@ -263,33 +269,75 @@ def structure_of(
         made = _Maker(
             deck, given or {}, ignore_material, length_unit, mass_unit, plates or {}, beams or {}, source
         ).structure(elements, part, merge_nodes)
-        _check_finite(made)
+        _check_numbers(made)
     return made
 
 
-def _check_finite(made: Structure) -> None:
-    """Refuse numbers beyond all bounds, as slips of exponents make them."""
-    found: list[tuple[str, list[object]]] = [
-        (part.name, [part.thickness, part.offset, part.nonstructural_mass, part.bending_factor])
+_LARGEST, _SMALLEST = 1e30, 1e-20
+_FARTHEST = 1e9
+"""Positions beyond are slips of exponents [m]."""
+
+
+def _check_numbers(made: Structure) -> None:
+    """Refuse what slips of exponents and signs make: numbers beyond all bounds, and constants that nothing has."""
+    found: list[tuple[str, dict[str, object], dict[str, float]]] = [
+        (
+            part.name,
+            {"thickness": part.thickness, "offset": part.offset},
+            {
+                "nonstructural mass": part.nonstructural_mass,
+                "bending factor": part.bending_factor,
+                "shear factor": part.shear_factor,
+                "Young's modulus": part.material.young_modulus,
+            },
+        )
         for part in made.shells
     ]
     for beams in made.beams:
-        section = beams.section
-        values: list[object] = [
-            beams.orientation,
-            beams.offset_a,
-            beams.offset_b,
-            section.area,
-            section.torsion,
-        ]
-        values += [section.second_moment_1, section.second_moment_2, section.product, section.shear_centre]
-        found.append((beams.name, [*values, section.nonstructural_mass]))
-    found += [(mass.name, [mass.mass, mass.offset, mass.inertia]) for mass in made.masses]
-    for name, values in found:
-        if not all(np.isfinite(np.asarray(value, dtype=np.float64)).all() for value in values):
+        one = beams.section
+        free: dict[str, object] = {
+            "orientation": beams.orientation,
+            "offset": (beams.offset_a, beams.offset_b),
+        }
+        free |= {"product": one.product, "shear centre": one.shear_centre}
+        moments = {"second moment 1": one.second_moment_1, "second moment 2": one.second_moment_2}
+        moments["Young's modulus"] = beams.material.young_modulus
+        positive = {**moments, "torsion constant": one.torsion, "nonstructural mass": one.nonstructural_mass}
+        found.append((beams.name, free, positive))
+        for key, area in (("area", one.area), ("shear area", min(one.shear_area_1, one.shear_area_2))):
+            if not area > _SMALLEST:
+                raise InputError(
+                    f"{beams.name}: {key} {area:g} m2", source=made.name, expected="a positive area"
+                )
+    found += [
+        (one.name, {"offset": one.offset, "inertia": one.inertia}, {"mass": one.mass}) for one in made.masses
+    ]
+    for name, free, positive in found:
+        for key, value in {**free, **positive}.items():
+            if not (np.abs(np.asarray(value, dtype=np.float64)) < _LARGEST).all():
+                raise InputError(
+                    f"{name}: {key} is beyond all bounds",
+                    source=made.name,
+                    expected=f"a number below {_LARGEST:g}",
+                )
+        for key, number in positive.items():
+            if number < 0.0:
+                raise InputError(f"{name}: {key} {number:g}", source=made.name, expected="none below 0")
+    for beams in made.beams:
+        one = beams.section
+        if one.product**2 > one.second_moment_1 * one.second_moment_2 * (1.0 + 1e-9):
             raise InputError(
-                f"{name}: numbers beyond all bounds", source=made.name, expected="numbers of a structure"
+                f"{beams.name}: product {one.product:g} m4 of second moments {one.second_moment_1:g} and "
+                f"{one.second_moment_2:g} m4",
+                source=made.name,
+                expected="a product whose square is below that of the second moments",
             )
+    if np.abs(made.nodes).max() > _FARTHEST:
+        raise InputError(
+            f"a node is {np.abs(made.nodes).max():g} m from the origin",
+            source=made.name,
+            expected=f"positions within {_FARTHEST:g} m",
+        )
     if not np.isfinite(sum(one.mass for one in property_masses(made))):
         raise InputError("the mass is beyond all bounds", source=made.name, expected="numbers of a structure")
 
@@ -306,7 +354,12 @@ class _Maker:
         beams: Mapping[str, BeamProperty],
         source: object,
     ) -> None:
-        assert deck.frame is not None
+        if deck.frame is None:
+            raise InputError(
+                "has no plates, beams, masses or rigid elements",
+                source=deck.source,
+                expected="elements of a structure",
+            )
         self.deck, self.frame, self.source = deck, deck.frame, source
         self.given, self.ignore_material = given, ignore_material
         self.plate_wishes, self.beam_wishes = plates, beams
@@ -392,8 +445,12 @@ class _Maker:
             own[one.index].any() and not one.loose for one in _parts(frame.plates, frame.beams)
         )
         plates = [one for one in plates if own[one.index].any() and not (groups and one.loose)]
+        # plates without any property are a mesh: its lines are groups too
+        mesh = bool(plates) and all(one.loose for one in _parts(frame.plates, frame.beams))
         beams = [
-            one for one in beams if own[one.index].any() and not (one.loose and (groups or one.optional))
+            one
+            for one in beams
+            if own[one.index].any() and not (one.loose and (groups or mesh or one.optional))
         ]
         taken = solid.copy()
         for one in _parts(plates, beams):
@@ -456,7 +513,7 @@ class _Maker:
             curved = not have_solids and re.fullmatch(r"'?(triangle[67]|quad[89])'?", block.name)
             if own.size and (curved or (not block.harmless and not self._is_loose(start + own))):
                 wrong.append((block, own.size, block.labels[own[0]]))
-            elif own.size and block.name.strip("'") == "line":
+            elif own.size and block.name.strip("'") in {"line", "T3D2", "B31", "CBAR"}:
                 self.notes.append(f"left out: {own.size} lines without a section, which are groups")
             elif own.size and block.words and block.name not in self.frame.also:
                 self.notes.append(f"left out: {own.size} {block.words} {block.name}")

@@ -19,6 +19,7 @@ from __future__ import annotations
 import re
 from collections import Counter
 from dataclasses import dataclass, replace
+from functools import cache
 from typing import TYPE_CHECKING, NoReturn
 
 import numpy as np
@@ -198,7 +199,13 @@ _REFUSED = {
     r"(RBE1|RBAR1|RROD|RTRPLT1?|RSPLINE|RSSCON|RJOINT)$": "rigid elements that are not read",
     r"CONM1$": "mass matrices of nodes",
 }
-_ALL = np.ones(6, dtype=bool)
+
+
+@cache
+def _refused_words(name: str) -> str:
+    """What an entry is that a structure cannot have; ``""`` of others."""
+    found = (f"{words} {name}" for pattern, words in _REFUSED.items() if re.match(pattern, name))
+    return next(found, "")
 
 
 class FrameCards:
@@ -226,6 +233,8 @@ class FrameCards:
         """One entry; whether it is read here."""
         name = card.name
         self.counts[name] += 1
+        if name in {"GRID", "CHEXA", "CTETRA"}:  # most of a deck
+            return False
         if re.fullmatch(r"CORD[12][RCS]", name):
             self.systems.take(card)
         elif name in _PLATES or name in _BEAMS:
@@ -247,9 +256,9 @@ class FrameCards:
         elif name in {"BAROR", "BEAMOR"}:
             self.defaults["CBAR" if name == "BAROR" else "CBEAM"] = card
         else:
-            for pattern, words in _REFUSED.items():
-                if re.match(pattern, name):
-                    self.refused.setdefault(f"{words} {name}", []).append(card)
+            words = _refused_words(name)
+            if words:
+                self.refused.setdefault(words, []).append(card)
             return False
         self.read[name] += 1
         return True

@@ -68,7 +68,7 @@ def expand_joints(scene: Scene) -> Scene:
 
 def _is_curve(side: Any) -> bool:
     """Whether a side has a tangent and nothing else."""
-    return side is not None and side.SHAPE == "curve"
+    return side is not None and side.SHAPE == "curve" and not side.HAS_AXES
 
 
 def _check(part: Joint, joint: Joint, bodies: Mapping[str, Any]) -> None:

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "FRAME_VECTORS",
+    "ROD_VECTORS",
     "SHELL_VECTORS",
     "DistributedLoad",
     "DriftOutputs",
@@ -36,6 +37,8 @@ __all__ = [
     "FrameModel",
     "FrameSection",
     "MeshBody",
+    "RodBody",
+    "RodMeshOutputs",
     "ShellBody",
     "ShellMeshOutputs",
     "ShellSection",
@@ -45,6 +48,9 @@ __all__ = [
 
 FRAME_VECTORS = ("position", "tangent")
 """Vectors of a node of a frame: ``r`` [m] and ``r'`` [1]."""
+
+ROD_VECTORS = ("position", "tangent", "normal", "binormal")
+"""Vectors of a node of a rod: ``r`` [m], ``r'`` [1], and two directors of its section [1]."""
 
 SHELL_VECTORS = ("position", "slope_x", "slope_y", "twist")
 """Vectors of a node of a shell: ``r`` [m], ``r_x``, ``r_y`` [1] and ``r_xy`` [1/m]."""
@@ -60,6 +66,14 @@ ShellSide = Literal["largest", "top", "middle", "bottom"]
 
 NODE_POSITION = channel("length", "position of every node in the world", None)
 NODE_VELOCITY = channel("velocity", "velocity of every node in world axes", None)
+NODE_TANGENT = channel("number", "derivative of the position of every node by the length, world axes", None)
+ELEMENT_TENSION = channel("force", "tension in the middle of every element", None)
+END_MOMENTS = channel("moment or energy", "bending moment at both ends of every element", None)
+FIBRE_STRESS = channel(
+    "pressure",
+    "stress of largest amount of the outermost fibres of every element, N/A ± M c/I, of 13 places along it",
+    None,
+)
 
 
 @outputs
@@ -67,17 +81,25 @@ class FrameMeshOutputs(Parts):
     """Of a frame: vectors of all nodes, then results of all elements."""
 
     position: Part = NODE_POSITION
-    tangent: Part = channel(
-        "number", "derivative of the position of every node by the length, world axes", None
-    )
+    tangent: Part = NODE_TANGENT
     velocity: Part = NODE_VELOCITY
-    axial_force: Part = channel("force", "tension in the middle of every element", None)
-    bending_moment: Part = channel("moment or energy", "bending moment at both ends of every element", None)
-    axial_stress: Part = channel(
-        "pressure",
-        "stress of largest amount of the outermost fibres of every element, N/A ± M c/I, of 13 places along it",
-        None,
-    )
+    axial_force: Part = ELEMENT_TENSION
+    bending_moment: Part = END_MOMENTS
+    axial_stress: Part = FIBRE_STRESS
+
+
+@outputs
+class RodMeshOutputs(Parts):
+    """Of a frame with torsion: vectors of all nodes, then results of all elements."""
+
+    position: Part = NODE_POSITION
+    tangent: Part = NODE_TANGENT
+    normal: Part = channel("number", "first director of the section at every node, world axes", None)
+    velocity: Part = NODE_VELOCITY
+    axial_force: Part = ELEMENT_TENSION
+    twisting_moment: Part = channel("moment or energy", "moment about the axis of every element", None)
+    bending_moment: Part = END_MOMENTS
+    axial_stress: Part = FIBRE_STRESS
 
 
 @outputs
@@ -133,7 +155,7 @@ def _upright() -> NDArray[np.float64]:
 
 @dataclass(frozen=True)
 class FrameSection:
-    """Cross-section and material of a frame: bending is the same about all axes, there is no torsion.
+    """Cross-section and material of a frame: bending is the same about all axes; only rods resist torsion.
 
     Attributes
     ----------
@@ -143,6 +165,8 @@ class FrameSection:
         [m2], [m4].
     outer_fibre
         Distance of the outermost fibre from the axis [m], for stresses.
+    torsional_stiffness
+        ``G J`` [N m2], of rods.
     """
 
     density: float
@@ -150,6 +174,7 @@ class FrameSection:
     area: float
     second_moment: float
     outer_fibre: float = 0.0
+    torsional_stiffness: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -257,7 +282,7 @@ class MeshBody(Body):
     VECTORS: ClassVar[tuple[str, ...]]
     """Names of the vectors of a node."""
     KIND_MODULE: ClassVar = "heavylift.solver.bodies.ancf.packing"
-    CONTOURS: ClassVar = "nodes"
+    CONTOURS: ClassVar[Literal["", "rigid", "modes", "nodes"]] = "nodes"
     SEEN_AT_POINTS: ClassVar = True
     ITERATES: ClassVar = True
     CHANNELS: ClassVar[tuple[ChannelKind, ...]]
@@ -355,7 +380,7 @@ class FrameBody(MeshBody):
 
     ORDER: ClassVar = 4
     NOUN: ClassVar = "frame"
-    VECTORS: ClassVar = FRAME_VECTORS
+    VECTORS: ClassVar[tuple[str, ...]] = FRAME_VECTORS
     SHAPE: ClassVar = "curve"
     HAS_AXES: ClassVar = False
     CHANNELS: ClassVar = (*FrameMeshOutputs.CHANNELS, *DriftOutputs.CHANNELS)
@@ -382,6 +407,45 @@ class FrameBody(MeshBody):
     def highest_frequency(self) -> float:
         """Of its stiffest element."""
         return highest_frame_frequency(self.nodes, self.elements, self.sections, self.element_sections)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class RodBody(FrameBody):
+    """A frame that twists: its sections have directors, torsional stiffness and rotary inertia.
+
+    Its model is ``"green-lagrange"``; elements may be curved, and twisted in the given shape.
+
+    Attributes
+    ----------
+    normals
+        First director of the section at the nodes, unit vectors square to the tangents, shape (n, 3); the second one is
+        tangent x normal.
+    """
+
+    ORDER: ClassVar = 6
+    VECTORS: ClassVar[tuple[str, ...]] = ROD_VECTORS
+    HAS_AXES: ClassVar = True
+    CONTOURS: ClassVar = ""
+    CHANNELS: ClassVar = (*RodMeshOutputs.CHANNELS, *DriftOutputs.CHANNELS)
+
+    normals: NDArray[np.float64]
+
+    @property
+    def slopes_of_nodes(self) -> NDArray[np.float64]:
+        """Tangents and directors."""
+        return np.stack([self.tangents, self.normals, np.cross(self.tangents, self.normals)], axis=1)
+
+    @property
+    def highest_frequency(self) -> float:
+        """Of its stiffest element."""
+        packing = importlib.import_module("heavylift.solver.bodies.ancf.rod_packing")
+        return float(packing.highest_frequency(self))
+
+    def refusal(self, integrator: str, *, jointed: bool) -> str:  # noqa: ARG002  the same with joints
+        """Its sections vibrate far too fast for explicit schemes."""
+        if integrator == "dele2":
+            return ""
+        return f"the sections of {self.name!r} are stiff, which takes an implicit integrator"
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -199,3 +199,22 @@ def test_a_krylov_space_that_is_too_small_is_reported(brick_beam, monkeypatch):
     monkeypatch.setattr(eigen_module, "_KRYLOV_TOLERANCE", 0.0)
     with pytest.raises(ModesNotConvergedError, match="did not converge in a Krylov space"):
         eigenmodes(brick_beam, 2)
+
+
+def test_few_modes_of_a_thin_strip_of_plates_converge_as_shapes():
+    """Eigenvalues converge twice as fast as shapes, so that a small count may end with shapes that are not accurate."""
+    from heavylift.preprocess.finite_elements.model import Material
+    from heavylift.preprocess.structures.assemble import assemble_structure
+    from heavylift.preprocess.structures.panels import Plate, mesh_panels, repeated
+
+    steel = Material(210e9, 0.0, 7850.0)
+    strip = Plate("strip", steel, 0.01, repeated([[0, 0, 0], [2, 0, 0], [2, 0.1, 0], [0, 0.1, 0]]))
+    model = assemble_structure(mesh_panels([strip], size=0.05))
+    root = np.flatnonzero(model.nodes[:, 0] < 1e-9)
+    first, second = np.array([1.87510407, 4.69409113]) ** 2 * np.sqrt(210e9 * 0.01**2 / 12 / 7850.0 / 2.0**4)
+    for count in (1, 2, 3):
+        modes = eigenmodes(model, count, fixed_nodes=root)
+        assert modes.residuals.max() < 1e-5
+        # two of bending across the plate, and one in its plane
+        wanted = np.array([first, second, 10.0 * first])[:count]
+        np.testing.assert_allclose(np.sqrt(modes.eigenvalues), wanted, rtol=5e-3)

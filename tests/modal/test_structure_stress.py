@@ -7,12 +7,15 @@ import pytest
 from scipy.sparse.linalg import splu
 
 from heavylift.modal.flexibility import rigid_motions
+from heavylift.modal.stress import stress_modes, von_mises
 from heavylift.modal.stress_history import stress_at_records
+from heavylift.modal.stress_points import largest_at_nodes
 from heavylift.modal.structure_stress import structure_points
+from heavylift.preprocess.finite_elements.blocks import Box, mesh_blocks
 from heavylift.preprocess.finite_elements.model import Material
 from heavylift.preprocess.structures.assemble import assemble_structure
 from heavylift.preprocess.structures.sections import BeamSection
-from heavylift.preprocess.structures.structure import Beams, Shells, Structure
+from heavylift.preprocess.structures.structure import Beams, RigidLink, Shells, Solids, Structure
 
 STEEL = Material(2.1e11, 0.3, 7850.0)
 TOP, BOTTOM, MEMBRANE, BENDING = range(4)
@@ -128,3 +131,26 @@ def test_rigid_motions_have_no_stress():
     for points in structure_points(model):
         stress = points.columns(motions, slice(None))
         assert np.abs(stress).max() < 1e-9 * STEEL.young_modulus
+
+
+def test_solids_among_plates_have_the_stress_of_their_nodes():
+    mesh = mesh_blocks([Box("b", (0, 0, 0), (1.0, 0.5, 0.5))], element_type="hex8", size=0.25)
+    top = np.array([[0.0, 0.0, 2.0], [1.0, 0.0, 2.0], [1.0, 1.0, 2.0], [0.0, 1.0, 2.0]])
+    # the plate has the first nodes, so those of the solid are others than in its own mesh
+    structure = Structure(
+        np.concatenate([top, mesh.nodes]),
+        shells=(Shells("plate", np.array([[0, 1, 2, 3]]), STEEL, 0.01),),
+        solids=(Solids("block", mesh.elements + 4, "hex8", STEEL),),
+        links=(RigidLink(0, np.array([4, 5, 6])),),
+    )
+    model = assemble_structure(structure)
+    (block,) = structure_points(model, ["block"])
+    u = np.random.default_rng(7).standard_normal(model.dof_count)
+    expected = stress_modes(mesh, STEEL, u[: 3 * model.node_count].reshape(1, -1, 3)[:, 4:])[0]
+    np.testing.assert_array_equal(block.nodes, 4 + np.arange(mesh.node_count))
+    layers, _ = at(block, u)
+    np.testing.assert_allclose(layers[:, 0], expected, rtol=1e-5, atol=1e-6 * np.abs(expected).max())
+    # at the nodes of the body the largest of all that is there
+    found = largest_at_nodes([block], [at(block, u)[1]], model.node_count)
+    assert np.isnan(found[:4]).all()
+    np.testing.assert_allclose(found[4:], von_mises(expected), rtol=1e-5)

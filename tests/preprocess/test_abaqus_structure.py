@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from heavylift.numerics.outcome import InputError
-from heavylift.preprocess.finite_elements.deck_structure import property_masses, structure_of
+from heavylift.preprocess.finite_elements.deck_structure import PlateProperty, property_masses, structure_of
 from heavylift.preprocess.finite_elements.geometry import read_deck
 
 STEEL = "*Material, name=Steel\n*Density\n 7850.,\n*Elastic\n 2.1e11, 0.3\n"
@@ -351,3 +351,14 @@ def test_multi_point_constraints_and_rigid_bodies(tmp_path):
 )
 def test_faults_are_named_by_file_and_line(tmp_path, text, words):
     fails(tmp_path, text + STEEL, words)
+
+
+def test_plates_of_meshers_are_what_the_case_says(tmp_path):
+    """Meshers write surfaces as plane stress and lines as trusses, without sections."""
+    text = PLATE.replace("S4R", "CPS4") + "*ELEMENT, TYPE=T3D2, ELSET=Rib\n10, 1, 2\n"
+    steel = {"young_modulus": 2.1e11, "poisson_ratio": 0.3, "density": 7850.0}
+    options = {"given": steel, "length_unit": 1.0, "mass_unit": 1.0}
+    made = read(tmp_path, text, plates={"Deck": PlateProperty(thickness=0.01)}, **options)
+    assert property_masses(made)[0].mass == pytest.approx(157.0)
+    assert "left out: 1 lines without a section, which are groups" in made.notes
+    fails(tmp_path, text, r"CPS4: no thickness \(element 9\)", **options)

@@ -277,6 +277,14 @@ def test_a_shear_modulus_beside_the_others_is_that_of_beams(tmp_path):
             "CBEAM,9,6,1,2,0.,0.,1.\nPBEAML,6,7,,BAR\n,1.,2.,,YES,1.,1.,1.\n",
             r"line 7: PBEAML: its section changes",
         ),
+        (
+            "CBAR,9,6,1,2,0.,0.,1.\nPBAR,6,7,.01,-1.-6\n",
+            r"PBAR 6: second moment 1 -1e-06; expected none below 0",
+        ),
+        (
+            "CBEAM,9,6,1,2,0.,0.,1.\nPBEAM,6,7,.01,1.-6,1.-6\n,\n,-1.,0.\n",
+            r"PBAR 6: shear area -0.01 m2",
+        ),
         ("CBAR,9,5,1,1,0.,0.,1.\n", r"line 6: CBAR: element 9 has no length"),
         ("CBAR,9,5,1,2,0.,0.,1.\nCROD,10,5,1,2\n", r"line 7: CROD: has the property PBAR 5; expected PROD"),
     ],
@@ -358,7 +366,7 @@ def test_rigid_elements(tmp_path):
         ("RBE3,31,,1,123,1.,12,2,3\n", r"line 8: RBE3: components '12' of the averaged nodes"),
         ("RBE3,31,,1,123,1.,123,THRU,3\n", r"line 8: RBE3: THRU without a node before it"),
         ("RBE2,30,77,13,2\n", r"line 8: RBE2: node 77 does not exist"),
-        ("PSHELL,4,7,1.+308,7\nCTRIA3,10,4,1,2,3\n", r"the mass is beyond all bounds"),
+        ("PSHELL,4,7,1.+308,7\nCTRIA3,10,4,1,2,3\n", r"PSHELL 4: thickness is beyond all bounds"),
         ("RBAR,32,1,2,123,456\n", r"line 8: RBAR: CNA = 123, CNB = 456; expected all six"),
         ("CONM2,20,8,,2.5\nGRID,8,,9.,9.,9.\n", r"CONM2 20 of 2.5 hangs on a node of no element"),
         ("GRID,8,,9.,9.,9.\nGRID,10,,8.,9.,9.\nRBE2,30,8,123456,10\n", r"RBE2 30 joins nodes of no element"),
@@ -490,7 +498,9 @@ def test_groups_that_the_case_gives(tmp_path):
         given=steel,
         plates={"deck": plates["pshell 4"]},
     )
-    fails(tmp_path, text, "PBAR 8: no section", given=steel, plates=plates)
+    alone = read(tmp_path, text, given=steel, plates=plates)  # a mesh without any property: lines are groups
+    assert (alone.beams, "left out: 1 lines without a section, which are groups" in alone.notes) == ((), True)
+    fails(tmp_path, text + "PSHELL,3,7,0.01\n" + STEEL, "PBAR 8: no section", plates=plates)
     no_direction = {"PBAR 8": BeamProperty(section=section)}
     fails(tmp_path, text, "PBAR 8: no orientation", given=steel, plates=plates, beams=no_direction)
 

@@ -265,3 +265,14 @@ def test_a_step_too_long_for_the_stiffening_is_halved_and_no_step_ends_with_a_wo
     far.advance(1)
     assert far.outcome is Outcome.NOT_CONVERGED
     assert "body 'beam': its stiffening by loads takes a shorter step" in far.message
+
+
+def test_a_run_goes_on_from_its_state_bit_by_bit() -> None:
+    """With what joints have pulled in the last steps."""
+    whole, first = pulled(0.5 * CRITICAL, "joint"), pulled(0.5 * CRITICAL, "joint")
+    whole.advance(40)
+    first.advance(20)
+    again = pulled(0.5 * CRITICAL, "joint")
+    again.restore(first.state())
+    again.advance(20)
+    np.testing.assert_array_equal(again.record(), whole.record())

@@ -33,7 +33,7 @@ def set_size(kind: Meshes) -> int:
 def _assemble_constant(kind: Meshes, body: int, to: int, mass: float, bending: float) -> None:
     """``mass M + bending K_b`` with the bases into a set of blocks, whose blocks of this body are zero."""
     vectors, lanes = len(kind.shape[0]) // 3, len(kind.shape[1])
-    nodes = 2 if vectors == 2 else 4
+    nodes = len(kind.ends)
     count = nodes * vectors
     begin = to * set_size(kind)
     first = kind.table[body].first_element
@@ -142,7 +142,7 @@ def add_matrix_products(
 ) -> None:
     """``out += mass M v + bending K_b q``."""
     vectors = len(kind.shape[0]) // 3
-    nodes = 2 if vectors == 2 else 4
+    nodes = len(kind.ends)
     count = nodes * vectors
     first = kind.table[body].first_element
     for e in range(first, first + kind.table[body].element_count):

@@ -13,12 +13,12 @@ from heavylift.numerics.outcome import InputError
 from heavylift.solver.bodies.ancf.kind import POINT_MARKER, TANGENT_MARKER, TRIAD_MARKER, VECTOR_MARKER
 from heavylift.solver.bodies.ancf.types import type_of
 from heavylift.solver.markers import BodyMarkers
-from heavylift.solver.scene.meshes import FrameBody, MeshBody, ShellBody
+from heavylift.solver.scene.meshes import FrameBody, MeshBody, RodBody, ShellBody
 
 __all__ = ["Base", "Bases", "MarkerEntry", "frame_tangent", "plan_bases"]
 
 TRIAD = (1, 2)
-"""Vectors of a shell that directions turn with."""
+"""Vectors of a shell or a rod that directions turn with: both slopes, or the tangent and the first director."""
 
 ALONG = 1e-6
 """Largest sine of the angle between a direction on a frame and its tangent."""
@@ -113,11 +113,11 @@ def plan_bases(body: MeshBody, markers: BodyMarkers) -> Bases:
             base, kind = bases.add(element, local, (slope,)), VECTOR_MARKER
         elif not direction:
             base, kind = bases.add(element, local, (0,)), POINT_MARKER
-        elif isinstance(body, FrameBody):
+        elif isinstance(body, FrameBody) and not isinstance(body, RodBody):
             base, kind = bases.add(element, local, (1,)), TANGENT_MARKER
             data = np.array([_sense(body, bases.bases[base], vector)])
         else:
-            assert isinstance(body, ShellBody)
+            assert isinstance(body, (RodBody, ShellBody))
             base, kind = bases.add(element, local, TRIAD), TRIAD_MARKER
             coordinates = of_type.start_coordinates(body)[body.elements[element]].reshape(-1, 3)
             a, b = (bases.bases[base + i].shape @ coordinates for i in range(2))

@@ -94,7 +94,7 @@ def _average_strains(kind: Meshes, body: int, step: float) -> None:
 def _add_base_impulses(kind: Meshes, body: int, nodal: Floats1) -> None:
     """``right_hand_side += J^T P``, with minus P at the places of bases and moving points of a nodal vector."""
     vectors = len(kind.shape[0]) // 3
-    nodes = 2 if vectors == 2 else 4
+    nodes = len(kind.ends)
     first = kind.table[body].first_base
     for base in range(first, first + kind.table[body].base_count):
         element, shape = kind.bases[base].element, kind.bases[base].shape_values

@@ -29,19 +29,22 @@ from heavylift.solver.bodies.ancf.frame_data import (
     frame_data,
 )
 from heavylift.solver.bodies.ancf.types import check_finite, check_load, check_numbers, check_supports
-from heavylift.solver.scene.meshes import FRAME_VECTORS, FrameBody, FrameSection
+from heavylift.solver.scene.meshes import FRAME_VECTORS, FrameBody, FrameSection, RodBody
 
 __all__ = [
     "ReferenceElement",
     "body_constants",
     "check_frame",
+    "check_line",
     "element_data",
     "element_lengths",
     "gauss_points",
     "hermite",
+    "load_element_data",
     "load_shape",
     "locate",
     "reference_element",
+    "references",
     "result_columns",
     "shape_values",
     "start_coordinates",
@@ -197,7 +200,7 @@ def strain_counts(body: FrameBody) -> NDArray[np.int64]:
     """Strains of every element, shape (e,)."""
     if body.model != "exact":
         return np.full(len(body.elements), AXIAL_POINTS, dtype=np.int64)
-    straight = np.array([element.straight for element in _references(body)])
+    straight = np.array([element.straight for element in references(body)])
     return AXIAL_POINTS + BENDING_POINTS * np.where(straight, 3, 1)
 
 
@@ -205,7 +208,7 @@ def element_data(body: FrameBody) -> list[NDArray[np.float64]]:
     """Constants of every element; equal elements share one array."""
     known: dict[tuple[int, float, float], NDArray[np.float64]] = {}
     found = []
-    for e, element in enumerate(_references(body)):
+    for e, element in enumerate(references(body)):
         number = int(body.element_sections[e]) if len(body.element_sections) else 0
         strain = float(body.axial_strains[e]) if len(body.axial_strains) else 0.0
         if not element.straight:
@@ -220,19 +223,19 @@ def element_data(body: FrameBody) -> list[NDArray[np.float64]]:
 
 def element_lengths(body: FrameBody) -> NDArray[np.float64]:
     """Lengths of the axes of all elements, unloaded [m], shape (e,)."""
-    return np.array([element.length for element in _references(body)])
+    return np.array([element.length for element in references(body)])
 
 
 def load_shape(body: FrameBody, element: int) -> NDArray[np.float64]:
     """Integral of the shape functions along the axis [m] (of slopes: [m2]), shape (4,)."""
-    reference = _references(body)[element]
+    reference = references(body)[element]
     xi, weights = gauss_points(16)
     return (weights * reference.metric(xi)) @ hermite(xi, reference.length)
 
 
 def shape_values(body: FrameBody, element: int, local: tuple[float, ...], vector: int) -> NDArray[np.float64]:
     """Row of ``r`` (vector 0) or ``r'`` (1) at ``(xi,)``, in [0, 1], over the vectors of the element, shape (4,)."""
-    reference = _references(body)[element]
+    reference = references(body)[element]
     return hermite(local[0], reference.length) if vector == 0 else reference.slopes(local[0])
 
 
@@ -257,7 +260,7 @@ def locate(body: FrameBody, point: NDArray[np.float64], source: str, key: str) -
     for e in np.argsort(lower, kind="stable"):
         if lower[e] > best:
             break
-        distance, xi = _nearest(_references(body)[e], point)
+        distance, xi = _nearest(references(body)[e], point)
         if distance < best - 1e-12 * size:
             best, place = distance, (int(e), xi)
     if not best <= 1e-6 * size:
@@ -293,13 +296,14 @@ def _nearest(element: ReferenceElement, point: NDArray[np.float64]) -> tuple[flo
 
 
 @lru_cache(maxsize=16)
-def _references(body: FrameBody) -> tuple[ReferenceElement, ...]:
+def references(body: FrameBody) -> tuple[ReferenceElement, ...]:
     """All elements before they are deformed."""
     vectors = start_coordinates(body)[body.elements].reshape(-1, 4, 3)
     found = []
     for e, nodes in enumerate(body.elements):
         element = reference_element(vectors[e])
-        if element is None or (body.model != "exact" and not element.straight):
+        bent = body.model != "exact" and not isinstance(body, RodBody)
+        if element is None or (bent and not element.straight):
             wanted = "tangents along the line from its first to its second node"
             raise InputError(
                 f"the element between nodes {nodes.tolist()} is "
@@ -310,6 +314,11 @@ def _references(body: FrameBody) -> tuple[ReferenceElement, ...]:
             )
         found.append(element)
     return tuple(found)
+
+
+def load_element_data(element: ReferenceElement, section: FrameSection, strain: float) -> NDArray[np.float64]:
+    """Constants of one element of a frame with strains of Green-Lagrange, shape (BENDING,)."""
+    return _data(element, section, strain, exact=False)
 
 
 def _data(
@@ -372,6 +381,13 @@ def check_frame(body: FrameBody) -> None:
     InputError
         The first thing that is wrong: shapes, sections, elements, supports, loads.
     """
+    check_line(body)
+    references(body)
+    check_supports(body, FRAME_VECTORS)
+
+
+def check_line(body: FrameBody) -> None:
+    """What frames with and without torsion have in common: shapes, sections, elements, loads."""
     nodes, elements = np.asarray(body.nodes), np.asarray(body.elements)
     check_finite(body, "nodes", nodes, (len(nodes), 3))
     check_finite(body, "tangents", np.asarray(body.tangents), (len(nodes), 3))
@@ -426,8 +442,6 @@ def check_frame(body: FrameBody) -> None:
                 key=f"elements[{e}]",
                 expected="two nodes at different places",
             )
-    _references(body)
-    check_supports(body, FRAME_VECTORS)
     for i, load in enumerate(body.loads):
         check_load(body, i, load)
 

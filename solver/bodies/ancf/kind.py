@@ -30,7 +30,7 @@ from heavylift.solver.combination import padded
 from heavylift.solver.drive import FREE
 from heavylift.solver.interface import Bodies, BodyKind, Coordinates, Workspace
 from heavylift.solver.kinds import optional
-from heavylift.solver.scene.meshes import FrameMeshOutputs, ShellMeshOutputs
+from heavylift.solver.scene.meshes import FrameMeshOutputs, RodMeshOutputs, ShellMeshOutputs
 
 __all__ = [
     "BaseBlock",
@@ -48,6 +48,8 @@ __all__ = [
     "MovingPoint",
     "MovingPoints",
     "PointsOfBody",
+    "RodMeshes",
+    "RodPlaces",
     "ShellMeshElement",
     "ShellMeshes",
     "ShellPlaces",
@@ -170,6 +172,18 @@ class FramePlaces(MeshPlaces):
     """
 
     parts: FrameMeshOutputs
+
+
+class RodPlaces(MeshPlaces):
+    """Of a rod.
+
+    Attributes
+    ----------
+    parts
+        What is recorded of its nodes and elements.
+    """
+
+    parts: RodMeshOutputs
 
 
 class ShellPlaces(MeshPlaces):
@@ -507,12 +521,14 @@ class Meshes(BodyKind):
         Bodies in order; markers by level.
     moving
         The moving points of all bodies.
-    shape
-        Block shape for `heavylift.numerics.lanes`, which is known when a kernel is compiled.
+    shape, ends
+        Block shape for `heavylift.numerics.lanes`, and as many entries as an element has nodes, which are known when a
+        kernel is compiled.
     """
 
     NODAL: ClassVar[bool] = True
     shape: ClassVar[Any]
+    ends: ClassVar[Any]
     kernel_modules: ClassVar[tuple[str, ...]] = (
         "heavylift.solver.bodies.ancf.accurate",
         "heavylift.solver.bodies.ancf.at_rest",
@@ -690,9 +706,23 @@ class FrameMeshes(Meshes):
     table: Records[FramePlaces]
 
     shape: ClassVar[Any] = block_shape(6)
+    ends: ClassVar[Any] = (0, 0)
     kernel_modules: ClassVar[tuple[str, ...]] = (
         *Meshes.kernel_modules,
         "heavylift.solver.bodies.ancf.frame_elements",
+    )
+
+
+class RodMeshes(Meshes):
+    """All rods of a scene: 12 rows, 16 lanes: ``r``, ``r'``, and two directors of the section."""
+
+    table: Records[RodPlaces]
+
+    shape: ClassVar[Any] = block_shape(12)
+    ends: ClassVar[Any] = (0, 0)
+    kernel_modules: ClassVar[tuple[str, ...]] = (
+        *Meshes.kernel_modules,
+        "heavylift.solver.bodies.ancf.rod_elements",
     )
 
 
@@ -703,6 +733,7 @@ class ShellMeshes(Meshes):
     elements: Records[ShellMeshElement]
 
     shape: ClassVar[Any] = block_shape(12)
+    ends: ClassVar[Any] = (0, 0, 0, 0)
     kernel_modules: ClassVar[tuple[str, ...]] = (
         *Meshes.kernel_modules,
         "heavylift.solver.bodies.ancf.shell_elements",

@@ -51,7 +51,14 @@ from heavylift.solver.bodies.ancf.types import MeshType, type_of
 from heavylift.solver.body_places import BodyPlaces
 from heavylift.solver.markers import BodyMarkers
 from heavylift.solver.recording import placed
-from heavylift.solver.scene.meshes import DistributedLoad, DriftOutputs, FollowerLoad, FrameBody, MeshBody
+from heavylift.solver.scene.meshes import (
+    DistributedLoad,
+    DriftOutputs,
+    FollowerLoad,
+    FrameBody,
+    MeshBody,
+    RodBody,
+)
 from heavylift.solver.scene.outputs import Columns
 
 __all__ = [
@@ -631,8 +638,7 @@ def _sorted(markers: list[MeshMarker]) -> Records[MeshMarker]:
 def _weigh(kind: Meshes) -> None:
     """`nodal_mass`: the mass matrix times a unit acceleration along all three axes."""
     lanes = len(kind.shape[1])
-    frame = len(kind.shape[0]) == 6
-    nodes, vectors = (2, 2) if frame else (4, 4)
+    nodes, vectors = len(kind.ends), len(kind.shape[0]) // 3
     weight = kind.nodal_mass
     for element in kind.elements:
         count = nodes * vectors
@@ -690,6 +696,13 @@ def pack_meshes(
         If a marker, sensor or load does not fit its body, or a body with moving points is no line and no rectangle of
         elements.
     """
+    for body, count in zip(bodies, moving, strict=False):
+        if count and isinstance(body, RodBody):
+            raise InputError(
+                "something touches a frame with torsion",
+                source=body.name,
+                expected="a frame without torsion: contacts push at points of an axis, which does not turn with them",
+            )
     builder = _Builder(type_of(bodies[0]), len(bodies))
     counts = moving or (0,) * len(bodies)
     for i, (body, dof, place, on_body, watched, count) in enumerate(

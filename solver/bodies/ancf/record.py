@@ -54,7 +54,7 @@ def write_nodes(kind: Meshes, body: int, nodal: Floats1, vector: int, origin: fl
 def _write_sensors(kind: Meshes, row: NDArray[np.float64]) -> None:
     """Position and velocity of material points."""
     vectors = len(kind.shape[0]) // 3
-    nodes = 2 if vectors == 2 else 4
+    nodes = len(kind.ends)
     for sensor in range(kind.sensors.shape[0]):
         at_point = kind.sensors[sensor]
         element, shape = at_point.element, at_point.shape_values
@@ -94,7 +94,7 @@ def record_meshes(kind: Meshes, time: float, work: Workspace, row: NDArray[np.fl
 def _add_angular_momentum(kind: Meshes, body: int, out: Sums) -> None:
     """About the world origin: ``sum M_ab r_a x v_b`` in body axes, then with the origin of the body."""
     vectors = len(kind.shape[0]) // 3
-    nodes = 2 if vectors == 2 else 4
+    nodes = len(kind.ends)
     count = nodes * vectors
     q, v, R = kind.position, kind.velocity, kind.body[body]
     x = y = z = 0.0

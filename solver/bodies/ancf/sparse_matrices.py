@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from heavylift.solver.bodies.ancf.kind import FRAME_PAIRS, SHELL_PAIRS, FrameMeshes, Meshes
+from heavylift.solver.bodies.ancf.kind import FRAME_PAIRS, SHELL_PAIRS, Meshes
 
 __all__ = ["MeshMatrices", "mesh_matrices"]
 
@@ -55,8 +55,8 @@ class MeshMatrices:
     def __init__(self, kind: Meshes) -> None:
         self.lanes, self.rows = len(kind.shape[1]), len(kind.shape[0])
         self.vectors = self.rows // 3
-        self.pairs = FRAME_PAIRS if isinstance(kind, FrameMeshes) else SHELL_PAIRS
-        self.nodes = 2 if isinstance(kind, FrameMeshes) else 4
+        self.nodes = len(kind.ends)
+        self.pairs = FRAME_PAIRS if self.nodes == 2 else SHELL_PAIRS
         self._size = kind.position.shape[0]
         own = []
         for line in kind.table:

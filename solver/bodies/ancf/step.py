@@ -136,7 +136,7 @@ def _add_marker_forces(kind: Meshes, work: Workspace) -> None:
     """Forces on markers to the bases: ``J^T f``, then from these to the nodes."""
     load = kind.external_force
     vectors = len(kind.shape[0]) // 3
-    nodes = 2 if vectors == 2 else 4
+    nodes = len(kind.ends)
     for base in range(kind.bases.shape[0]):
         place = kind.bases[base].place
         for k in range(3):
@@ -211,7 +211,7 @@ def blame_element(kind: Meshes, body: int, element: int, outcome: int, work: Wor
 def blame_largest(kind: Meshes, body: int, nodal: Floats1, outcome: int, work: Workspace) -> None:
     """Stop; to blame is the first element with a number that is not finite, or that with the largest displacement."""
     vectors = len(kind.shape[0]) // 3
-    nodes = 2 if vectors == 2 else 4
+    nodes = len(kind.ends)
     first = kind.table[body].first_element
     worst, largest = 0, -1.0
     for element in range(kind.table[body].element_count):
@@ -237,7 +237,7 @@ def blame_largest(kind: Meshes, body: int, nodal: Floats1, outcome: int, work: W
 def base_value(kind: Meshes, base: int, nodal: Floats1) -> Vector:
     """Value of a nodal vector at a base, body axes."""
     vectors = len(kind.shape[0]) // 3
-    nodes = 2 if vectors == 2 else 4
+    nodes = len(kind.ends)
     element, shape = kind.bases[base].element, kind.bases[base].shape_values
     x = y = z = 0.0
     for i in range(nodes):

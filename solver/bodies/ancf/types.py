@@ -19,18 +19,23 @@ from heavylift.solver.bodies.ancf.kind import (
     MeshElement,
     Meshes,
     MeshPlaces,
+    RodMeshes,
+    RodPlaces,
     ShellMeshElement,
     ShellMeshes,
     ShellPlaces,
 )
 from heavylift.solver.scene.meshes import (
     FRAME_VECTORS,
+    ROD_VECTORS,
     SHELL_VECTORS,
     DistributedLoad,
     FollowerLoad,
     FrameBody,
     FrameMeshOutputs,
     MeshBody,
+    RodBody,
+    RodMeshOutputs,
     ShellMeshOutputs,
 )
 from heavylift.solver.scene.outputs import Parts
@@ -74,17 +79,23 @@ class MeshType:
 
 def type_of(body: MeshBody) -> MeshType:
     """The type of a body; imports what serves it."""
-    name = "frame" if isinstance(body, FrameBody) else "shell"
+    name = "rod" if isinstance(body, RodBody) else "frame" if isinstance(body, FrameBody) else "shell"
     module = importlib.import_module(f"heavylift.solver.bodies.ancf.{name}_packing")
-    frame = name == "frame"
+    kinds: dict[str, tuple[type[Meshes], type[MeshPlaces], type[Parts], tuple[str, ...]]] = {
+        "frame": (FrameMeshes, FramePlaces, FrameMeshOutputs, FRAME_VECTORS),
+        "rod": (RodMeshes, RodPlaces, RodMeshOutputs, ROD_VECTORS),
+        "shell": (ShellMeshes, ShellPlaces, ShellMeshOutputs, SHELL_VECTORS),
+    }
+    kind, places, outputs, vectors = kinds[name]
+    line = name != "shell"
     return MeshType(
-        kind=FrameMeshes if frame else ShellMeshes,
-        places=FramePlaces if frame else ShellPlaces,
-        outputs=FrameMeshOutputs if frame else ShellMeshOutputs,
-        element=MeshElement if frame else ShellMeshElement,
-        vectors=FRAME_VECTORS if frame else SHELL_VECTORS,
-        nodes_per_element=2 if frame else 4,
-        pairs=FRAME_PAIRS if frame else SHELL_PAIRS,
+        kind=kind,
+        places=places,
+        outputs=outputs,
+        element=MeshElement if line else ShellMeshElement,
+        vectors=vectors,
+        nodes_per_element=2 if line else 4,
+        pairs=FRAME_PAIRS if line else SHELL_PAIRS,
         check=getattr(module, f"check_{name}"),
         element_data=module.element_data,
         strain_counts=module.strain_counts,

@@ -13,8 +13,8 @@ Momenta and energy of the frame are those of the corrected inertia: nothing is b
 
 of accelerations of a frame that is held, minus gravity, act on the modes beside those of markers, so that
 their work is part of the work from outside. All are evaluated at the middle of a step, as forces of springs by which a
-mass leaps: a mode with stiffness k in the implicit rule and g beside it keeps areas, and is stable for h^2 g < 4. A step that may be
-longer is halved, as one whose laws do not agree.
+mass leaps: a mode with stiffness k in the implicit rule and g beside it keeps areas, and is stable for h^2 g < 4. A
+step that may be longer is halved, as one whose laws do not agree.
 """
 
 from __future__ import annotations

@@ -147,3 +147,14 @@ def test_groups_of_elements_belong_to_mesh_files(folder):
     (folder / "case.toml").write_text(text + "[bodies.panel.plates.deck]\nthickness = 0.1\n")
     with pytest.raises(InputError, match="'plates' with geometry 'four_files'"):
         load_case(folder)
+
+
+def test_solids_have_no_tables_of_plates(folder):
+    cube = [(x, y, z) for z in (0.0, 1.0) for x, y in ((0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0))]
+    text = "".join(f"GRID,{k},,{x},{y},{z}\n" for k, (x, y, z) in enumerate(cube, 1))
+    text += "CHEXA,1,3,1,2,3,4,5,6\n,7,8\nPSOLID,3,7\nMAT1,7,2.1+11,,.3,7850.\n"
+    (folder / "panel.bdf").write_text(text)
+    with (folder / "case.toml").open("a") as stream:
+        stream.write("[bodies.panel.plates.deck]\nthickness = 0.1\n")
+    with pytest.raises(InputError, match="has no plates and no beams, and the case has 'deck'"):
+        model_of(folder)
