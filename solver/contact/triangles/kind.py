@@ -63,8 +63,8 @@ class SurfacePair(Record):
         Of both surfaces: 1 if the other one began outside of its closed parts, -1 if within, 0 if nobody knows.
     patch_cosine, patch_size
         Cosine of the angle between normals of one patch, and its size [m].
-    radii
-        Sum of both roundings [m].
+    radii, border
+        Sum of both roundings [m]; how far beyond the border of its face a contact is still on it [m].
     reach, patches
         Reach of the search in the last step [m], and how many patches it made.
     members
@@ -88,6 +88,7 @@ class SurfacePair(Record):
     patch_cosine: float
     patch_size: float
     radii: float
+    border: float
     reach: float
     patches: int
     members: int

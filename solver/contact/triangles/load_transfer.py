@@ -10,7 +10,6 @@ from heavylift.solver.contact.counts import contact_count
 from heavylift.solver.contact.kind import COMPLIANT, ContactRows
 from heavylift.solver.contact.laws.normal_force import stored_energy
 from heavylift.solver.contact.triangles.kind import SurfacePairs
-from heavylift.solver.contact.triangles.patches import BORDER
 from heavylift.solver.contact.triangles.sides import ALIGNED, aligned, evaluate, holds
 
 __all__ = ["book_jump", "goes_on", "turn_memory"]
@@ -62,7 +61,7 @@ def goes_on(
     taken, nearest, turned = -1, math.inf, 1.0
     for c in range(contacts.counts.of_contours, contact_count(contacts)):
         state = contacts.state[c]
-        if state.pair != pair or not holds(contacts, c) or not state.beside > BORDER * size:
+        if state.pair != pair or not holds(contacts, c) or not state.beside > meshes.pairs[pair].border:
             continue
         if state.feature_kind != kind or not (state.feature == feature or state.other_feature == other):
             continue

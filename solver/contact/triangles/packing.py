@@ -61,6 +61,12 @@ METHODS = {"swept": 0, "position-difference": 1}
 EDGES_OF_PATCH = 1.5
 """Mean edges of the smaller surface in a patch, at least: the diagonal of a square face is 1.41 of its edges."""
 
+BORDER = 1e-9
+"""Of the size: beyond the border by less a contact is still on its face."""
+
+BORDER_ON_MODES = 1e-4
+"""The same where a surface swings with its modes, and a corner on the side of two triangles would change to and fro."""
+
 FOUND_AT_A_POINT = 4
 """Features that a search may find for each point of a surface that deforms: all of it may lie on something."""
 
@@ -157,6 +163,7 @@ def pack_collisions(
         pair.patch_cosine = math.cos(collision.patch_angle)
         pair.patch_size = collision.patch_size or _patch_size(min(moved[first], moved[second], key=_extent))
         pair.radii = moved[first].radius + moved[second].radius
+        pair.border = size * (BORDER_ON_MODES if first in modal or second in modal else BORDER)
     packed = pack_surfaces(moved, [surface.body for surface in scene.surfaces])
     all_rigid = not deforming and all(moves_rigidly(side) for side in sides)
     most = _most_at_once(pairs, all_rigid)

@@ -23,10 +23,7 @@ from heavylift.solver.contact.triangles.kind import (
 )
 from heavylift.solver.contact.triangles.slots import look_up
 
-__all__ = ["BORDER", "choose_contacts", "share_stiffness", "sort_found"]
-
-BORDER = 1e-9
-"""Of the size: beyond the border by less a contact is still on its face."""
+__all__ = ["choose_contacts", "share_stiffness", "sort_found"]
 
 DEEPER = 1e-9
 """Of the size: what is deeper than those that span its patch by less does not count."""
@@ -109,7 +106,7 @@ def choose_contacts(meshes: SurfacePairs, contacts: ContactRows, pair: int, coun
     first, last = contacts.counts.of_contours, contact_count(contacts)
     for c in range(first, last if meshes.pairs[pair].members > 0 else first):
         state = contacts.state[c]
-        if state.pair == pair and state.beside > BORDER * size:
+        if state.pair == pair and state.beside > meshes.pairs[pair].border:
             state.patch = -1  # at this place what was found beside it counts
         elif state.pair == pair:
             kind, feature, other = state.feature_kind, state.feature, state.other_feature

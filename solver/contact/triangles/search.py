@@ -24,7 +24,7 @@ from heavylift.solver.contact.triangles.load_transfer import book_jump, goes_on,
 from heavylift.solver.contact.triangles.material import settle_by_material
 from heavylift.solver.contact.triangles.modal_facets import follow_modes, place_near
 from heavylift.solver.contact.triangles.narrow_phase import narrow_phase_mesh, relative_pose
-from heavylift.solver.contact.triangles.patches import BORDER, choose_contacts, share_stiffness, sort_found
+from heavylift.solver.contact.triangles.patches import choose_contacts, share_stiffness, sort_found
 from heavylift.solver.contact.triangles.sides import (
     ABOUT_NOTHING,
     deepest_of,
@@ -209,7 +209,7 @@ def _follow_contacts(
         if state.pair == pair:
             narrow_phase_mesh(meshes, contacts, bodies, c, work)
             state.hit, state.passed = 0, 0.0
-            if holds(contacts, c) and state.beside > BORDER * size:
+            if holds(contacts, c) and state.beside > meshes.pairs[pair].border:
                 lost += 1
     return lost
 
@@ -286,7 +286,7 @@ def _finish_contacts(meshes: SurfacePairs, contacts: ContactRows) -> None:
         state = contacts.state[c]
         size = meshes.pair_values[state.pair].length_scale
         nothing = ABOUT_NOTHING * size
-        beside = state.beside > BORDER * size
+        beside = state.beside > meshes.pairs[state.pair].border
         # from one side to the other in a step without a hit: round the border
         gone_round = state.gap > nothing and state.end_gap < -nothing and not holds(contacts, c)
         gone_round = gone_round and not meshes.pairs[state.pair].deforms
