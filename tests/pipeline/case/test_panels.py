@@ -141,7 +141,7 @@ def test_what_is_wrong_is_said_at_its_key(tmp_path, old, new, message):
             "line = [[0, 0.5, 0], [5, 0.5, 0]]",
             r"stiffeners\.bars: it leaves the",
         ),
-        ("web = [0, 0, -1]", "web = [1, 0, 0]", r"stiffeners\.bars\.web: its web runs along it"),
+        ("web = [0, 0, -1]", "web = [1, 0, 0]", r"stiffeners\.bars\.web: its web is at 90 deg"),
     ],
 )
 def test_what_does_not_fit_together_is_said_when_it_is_meshed(tmp_path, old, new, message):

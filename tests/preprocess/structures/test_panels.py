@@ -141,6 +141,10 @@ def test_a_lug_stands_on_its_plate_with_a_pin_hole():
     assert rim.mean(axis=0) == pytest.approx(np.zeros(3), abs=1e-6)
     foot = np.intersect1d(found.node_groups["lug_plate"], found.node_groups["top"])
     assert np.ptp(found.nodes[foot, 0]) == pytest.approx(0.5)
+    with pytest.raises(
+        InputError, match=r"lugs\.lug: its foot at \(3900, 0, 0\) mm leaves the plates at \(4150, 0, 0\)"
+    ):
+        mesh_panels([top], lugs=[replace(lug, foot=np.array([3.9, 0.0, 0.0]))], size=0.1)
     with pytest.raises(InputError, match=r"lugs\.lug: its foot at \(2000, 0, 300\) mm stands on no plate"):
         mesh_panels([top], lugs=[replace(lug, foot=np.array([2.0, 0.0, 0.3]))], size=0.1)
 
@@ -172,7 +176,19 @@ BAR = Stiffener("bar", STEEL, FLAT, repeated([[0.2, 1, 0], [1.8, 1, 0]]), np.arr
             r"stiffeners\.bar: it leaves the plate 'top'",
         ),
         ([TOP], [replace(BAR, plate="deck")], "plate 'deck' is unknown"),
-        ([TOP], [replace(BAR, web=np.array([1.0, 0, 0]))], r"stiffeners\.bar\.web: its web runs along it"),
+        ([TOP], [replace(BAR, web=np.array([1.0, 0, 0]))], r"stiffeners\.bar\.web: its web is at 90 deg"),
+        ([TOP], [BAR, replace(BAR, name="again")], r"stiffeners\.again: it lies on 'bar' around"),
+        ([TOP], [replace(BAR, lines=BAR.lines * 2)], r"stiffeners\.bar: it lies on 'bar' around"),
+        (
+            [TOP],
+            [replace(BAR, web=np.array([0.0, 1, 0]))],
+            r"stiffeners\.bar\.web: its web is at 90 deg to the normal",
+        ),
+        (
+            [replace(TOP, openings=(Opening(np.array([1.9, 1, 0]), 0.3, 0.3),))],
+            [],
+            r"plates\.top\.openings\.0: it leaves the plate at",
+        ),
         (
             [replace(TOP, openings=(Opening(np.array([5.0, 1, 0]), 0.3, 0.3),))],
             [],
