@@ -789,11 +789,11 @@ def _collect(
     for index, parts in sorted(beams.items()):
         one, elements = stiffeners[index], new[np.vstack(parts)]
         groups[one.name] = np.unique(elements)
+        middle = np.zeros((len(elements), 3))
         if one.plate:
-            _refuse_flat_web(
-                one, elements, [part for part in shells if part.name == one.plate], points[used], name
-            )
-        rods.append(_beams(one, elements, points[used], thickness.get(one.plate, 0.0), name))
+            own = [part for part in shells if part.name == one.plate]
+            middle = float(own[0].offset) * _plate_normal(one, elements, own, points[used], name)
+        rods.append(_beams(one, elements, points[used], thickness.get(one.plate, 0.0), middle, name))
     for lug in lugs:
         centre = lug.foot + lug.height * _unit(lug.normal)
         own = groups[lug.name]
@@ -845,32 +845,45 @@ def _turned(points: NDArray[np.float64], elements: NDArray[np.int64], plate: Any
     return np.where((own @ normal < 0.0)[:, None], elements[:, ::-1], elements)
 
 
-def _refuse_flat_web(
+def _plate_normal(
     one: Stiffener,
     elements: NDArray[np.int64],
     plates: Sequence[Shells],
     points: NDArray[np.float64],
     name: str,
-) -> None:
-    """The web of a stiffener leads away from its plate: to less than 60 degrees from the normal."""
+) -> NDArray[np.float64]:
+    """Unit normal of the plate along each beam of a stiffener, shape (ne, 3).
+
+    Refuses a web that does not lead away from the plate: by 60 degrees or more from the normal.
+    """
+    normals = np.zeros((len(points), 3))
     for part in plates:
-        beside = part.elements[np.isin(part.elements, elements).sum(axis=1) >= 2]
-        x = points[beside]
-        normals = np.cross(x[:, 2] - x[:, 0], x[:, -1] - x[:, 1])
-        cosines = np.abs(normals @ _unit(one.web)) / np.linalg.norm(normals, axis=1)
-        if len(beside) and cosines.min() < 0.5:
-            raise InputError(
-                f"its web is at {np.degrees(np.arccos(cosines.min())):.3g} deg to the normal of its plate",
-                source=name,
-                key=f"stiffeners.{one.name}.web",
-                expected="a direction away from the plate",
-            )
+        x = points[part.elements]
+        area = np.cross(x[:, 2] - x[:, 0], x[:, -1] - x[:, 1])
+        for corner in range(part.elements.shape[1]):
+            np.add.at(normals, part.elements[:, corner], area)
+    found = normals[elements].sum(axis=1)
+    found /= np.linalg.norm(found, axis=1, keepdims=True)
+    cosine = float(np.abs(found @ _unit(one.web)).min())
+    if cosine < 0.5:
+        raise InputError(
+            f"its web is at {np.degrees(np.arccos(cosine)):.3g} deg to the normal of its plate",
+            source=name,
+            key=f"stiffeners.{one.name}.web",
+            expected="a direction away from the plate",
+        )
+    return np.asarray(found)
 
 
 def _beams(
-    one: Stiffener, elements: NDArray[np.int64], points: NDArray[np.float64], thickness: float, name: str
+    one: Stiffener,
+    elements: NDArray[np.int64],
+    points: NDArray[np.float64],
+    thickness: float,
+    middle: NDArray[np.float64],
+    name: str,
 ) -> Beams:
-    """Beams of a stiffener, its centroid off the plate by half of the thickness and its own height."""
+    """Beams of a stiffener, its centroid off the middle of the plate by half of the thickness and its own height."""
     web = _unit(one.web)
     along = points[elements[:, 1]] - points[elements[:, 0]]
     along /= np.linalg.norm(along, axis=1, keepdims=True)
@@ -890,7 +903,7 @@ def _beams(
     offset, section = np.zeros((len(elements), 3)), one.section
     if one.plate:
         section = replace(section, product=0.0)  # the plate keeps it from turning aside
-        offset = second * (0.5 * thickness + one.foot[0]) + third * one.foot[1]
+        offset = middle + second * (0.5 * thickness + one.foot[0]) + third * one.foot[1]
     return Beams(
         name=one.name,
         elements=elements,

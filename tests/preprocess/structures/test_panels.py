@@ -91,6 +91,15 @@ def test_plates_and_stiffeners_of_a_double_bottom_meet_node_on_node():
     assert np.array_equal(np.unique(found.nodes[found.node_groups["tank_top"], 2]), [2.0])
 
 
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_stiffener_stands_on_the_surface_of_a_plate_whose_middle_is_off_its_corners(sign):
+    top = Plate("top", STEEL, 0.02, repeated(SQUARE), offset=0.05)
+    bar = replace(BAR, web=np.array([0.0, 0.0, sign]), foot=(0.075, 0.0))
+    (beams,) = mesh_panels([top], [bar], size=0.5).beams
+    wanted = [0.0, 0.0, 0.05 + sign * (0.01 + 0.075)]
+    assert beams.offset_a == pytest.approx(np.tile(wanted, (len(beams.elements), 1)), abs=1e-14)
+
+
 def test_normals_are_those_of_the_polygons():
     plates, _ = _double_bottom()
     found = mesh_panels(plates, size=1.0)
