@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from heavylift.pipeline.results.storage import OutputFolder
     from heavylift.preprocess.finite_elements.model import FEModel
 
-__all__ = ["reduce_model", "reduced_properties"]
+__all__ = ["flexibility_of", "reduce_model", "reduced_properties"]
 
 
 _BORNE = 1e-12
@@ -225,8 +225,7 @@ def _reduce(
 
     options = body.modes
     clamped = _nodes_of(model, options.clamp, "modes.clamp")
-    fits = interface_fits(model, body.interfaces, lambda group, key: _nodes_of(model, [group], key))
-    rigid = {one: fits[one] for one, section in body.interfaces.items() if section.kind == "rigid"}
+    fits, rigid = _fits(model, body)
     elastic, flexibility = model, None
     masters: dict[str, NDArray[np.int64]] = {}
     if rigid:
@@ -307,6 +306,33 @@ def _reduce(
         *([_held_note(joined, model)] if joined else []),
     ]
     return Reduction(reduced, start, states, notes)
+
+
+def _fits(model: FEModel, body: FlexibleBodySection) -> tuple[dict[str, Fit], dict[str, Fit]]:
+    """All interfaces of a body on its nodes, and those of them that do not deform."""
+    fits = interface_fits(model, body.interfaces, lambda group, key: _nodes_of(model, [group], key))
+    return fits, {one: fits[one] for one, section in body.interfaces.items() if section.kind == "rigid"}
+
+
+def flexibility_of(body: FlexibleBodySection, model: FEModel) -> Flexibility:
+    """Factorised stiffness of the body that modes were made of: held and clamped, with its rigid interfaces.
+
+    Parameters
+    ----------
+    body
+        Its section.
+    model
+        As the mesh stage has it.
+    """
+    from heavylift.modal import interfaces
+    from heavylift.modal.flexibility import Flexibility
+
+    model = replace(model, fixed_dofs=np.union1d(model.fixed_dofs, held_directions(model, body.supports)))
+    clamped = _nodes_of(model, body.modes.clamp, "modes.clamp")
+    rigid = _fits(model, body)[1]
+    if rigid:
+        model = interfaces.stiffened(model, rigid, fixed_nodes=clamped)[0]
+    return Flexibility(model, clamped)
 
 
 def _attachment_modes(flexibility: Flexibility, loads: Loads) -> tuple[Basis, NDArray[np.float64]]:

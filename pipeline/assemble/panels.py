@@ -26,9 +26,9 @@ def part_material(body: FlexibleBodySection, own: MaterialSection | None, name: 
     Raises
     ------
     InputError
-        What neither gives, with the name of the body and the key.
+        What neither gives, and a material that does not exist, with the name of the body and the key.
     """
-    from heavylift.preprocess.finite_elements.material import Material
+    from heavylift.preprocess.finite_elements.material import DENSITY_LIMIT, WAVE_SPEEDS, Material
 
     given = {**(body.material.given() if body.material else {}), **(own.given() if own else {})}
     missing = [word for word in ("young_modulus", "poisson_ratio", "density") if word not in given]
@@ -39,7 +39,16 @@ def part_material(body: FlexibleBodySection, own: MaterialSection | None, name: 
             key=key,
             expected="young_modulus, poisson_ratio and density",
         )
-    return Material(**given)
+    made = Material(**given)
+    speed = (made.young_modulus / made.density) ** 0.5
+    if not WAVE_SPEEDS[0] <= speed <= WAVE_SPEEDS[1] or made.density > DENSITY_LIMIT:
+        raise InputError(
+            f"E {made.young_modulus:.6g} Pa with {made.density:.6g} kg/m^3, where waves run at {speed:.3g} m/s",
+            source=name,
+            key=key,
+            expected="a material that exists; steel has 2.1e11 Pa, 7850 kg/m^3 and 5172 m/s",
+        )
+    return made
 
 
 def structure_of_panels(

@@ -8,13 +8,14 @@ them.
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cache, partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from heavylift.numerics.outcome import InputError
+from heavylift.pipeline.assemble.modes import flexibility_of
 from heavylift.pipeline.case.steel import STEEL_SOURCE, thickest, yield_strengths
 from heavylift.pipeline.case.stress import HotSpotSection, StressGroupSection
 from heavylift.pipeline.log import Log
@@ -47,7 +48,7 @@ if TYPE_CHECKING:
     from heavylift.preprocess.finite_elements.model import FEModel
     from heavylift.preprocess.structures.structure import Beams, Shells, Solids
 
-__all__ = ["ALL", "CENTRE_SIDE", "body_stress", "model_columns"]
+__all__ = ["ALL", "CENTRE_SIDE", "body_stress", "check_stress_tables", "model_columns"]
 
 CENTRE_SIDE = "centre"
 """Side of plates that is their membrane stress at the centres of elements."""
@@ -87,6 +88,25 @@ def body_stress(
     if stress_digest_of(path) != digest:
         write_stress(path, _computed(case, name, folder, results, log), digest)
     return read_stress(path)
+
+
+def check_stress_tables(case: Case, folder: OutputFolder) -> None:
+    """Groups, strengths and hot spots that cannot be evaluated are told before a run, not after it.
+
+    Raises
+    ------
+    InputError
+        The first of them, with its key.
+    """
+    for name, body in case.bodies.items():
+        if getattr(body, "stress", None) is None or not folder.model(name).is_file():
+            continue
+        section: Any = body
+        model = read_model(folder.model(name))
+        _groups(case, name, section, model, _parts(case, name, section, model))
+        still = np.zeros((model.dof_count, 1))
+        for index, spot in enumerate(section.stress.hot_spots):
+            _hot_spot(case, name, index, spot, model, still)
 
 
 def _digest(case: Case, name: str, results: Results) -> str:
@@ -136,7 +156,7 @@ def _computed(case: Case, name: str, folder: OutputFolder, results: Results, log
             expected="a run that stays finite",
         )
     correction, loads, notes = np.empty((len(shapes), 0)), np.empty((len(modal), 0)), list[str]()
-    flexibility = cache(partial(_flexibility, body, model))  # made when something needs it
+    flexibility = cache(partial(flexibility_of, body, model))  # made when something needs it
     notes += _places(case, name, folder, reduced, shapes, flexibility)
     if body.stress.correction:
         correction, loads, more = _correction(
@@ -462,8 +482,13 @@ def _hot_spot(
         if plates:
             found.append(_plate_stress(model, place, d, spot, shapes, str(case.file), key))
             continue
-        assert model.mesh is not None
-        assert model.material is not None
+        if model.mesh is None or model.material is None:
+            raise InputError(
+                "is on a body of solids with masses, rigid elements or several materials",
+                source=str(case.file),
+                key=key,
+                expected="a body of one solid material, or plates",
+            )
         nodes, weights = find_place(model.nodes, model.mesh, place, source=case.file, key=f"{key}.toe")
         points = solid_points(model.mesh, model.material, nodes)
         columns = points.columns(shapes, np.searchsorted(points.nodes, nodes))[:, 0]
@@ -554,18 +579,6 @@ def _correction(
                 "The acceleration of the driven frame is that of differences of its recorded velocity."
             )
     return found.shapes, loads[:, acting[found.loads]], notes
-
-
-def _flexibility(body: Any, model: FEModel) -> Flexibility:
-    """Of a body, held as for its modes."""
-    from heavylift.modal.flexibility import Flexibility
-    from heavylift.pipeline.assemble.modes import held_directions
-
-    clamped = [model.node_groups[group] for group in body.modes.clamp]
-    fixed = np.union1d(model.fixed_dofs, held_directions(model, body.supports)).astype(np.int64)
-    return Flexibility(
-        replace(model, fixed_dofs=fixed), np.unique(np.concatenate(clamped)) if clamped else ()
-    )
 
 
 def _places(

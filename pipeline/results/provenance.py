@@ -151,6 +151,10 @@ def mesh_digest(case: Case, body: FlexibleBodySection) -> str:
         "material": body.material and body.material.model_dump(mode="json"),
         "mesh": body.mesh.model_dump(mode="json"),
     }
+    for key in ("plates", "stiffeners"):
+        parts = getattr(body, key)
+        if parts:
+            sections[key] = {name: one.model_dump(mode="json") for name, one in parts.items()}
     return _digest("mesh", {**sections, "files": _files(case, body)})
 
 

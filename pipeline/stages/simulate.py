@@ -174,6 +174,10 @@ def _simulate(work: Work, digest: str, *, cut_off: bool) -> StageReport:
     assert section is not None
     old_words = words_there(folder.root)
     scene = assemble_scene(work.case, folder)
+    if any(getattr(body, "stress", None) for body in work.case.bodies.values()):
+        from heavylift.pipeline.checks.body_stress import check_stress_tables
+
+        check_stress_tables(work.case, folder)
     for note in collision_notes(work.case):
         log.say(f"simulate: {note}")
     if work.case.databases and section.start not in AT_REST:  # an equilibrium tells it better

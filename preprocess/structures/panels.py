@@ -242,6 +242,7 @@ def mesh_panels(
         face_parts, line_parts = _cut(gmsh, faces, lines)
         owner = _owners(gmsh, faces, face_parts, everything, name)
         _refuse_loose_lines(gmsh, lines, line_parts, owner, stiffeners, everything, name)
+        _refuse_lines_twice(gmsh, lines, line_parts, stiffeners, name)
         _estimate(gmsh, owner, size, name)
         _generate(gmsh, owner, everything, size)
         return _collect(gmsh, owner, lines, line_parts, everything, stiffeners, lugs, name)
@@ -352,9 +353,9 @@ def _cut_openings(gmsh: Any, tag: int, normal: NDArray[np.float64], openings: Se
     occ = gmsh.model.occ
     tools = []
     for one in openings:
-        width = _unit(np.cross(normal, _any_across(normal)) if one.direction is None else one.direction)
+        width, height = _axes_of(one, normal)
         high, wide = min(one.width, one.height), max(one.width, one.height)
-        along = width if one.width >= one.height else np.cross(normal, width)
+        along = width if one.width >= one.height else height
         across = np.cross(normal, along)
         curves = _outline(
             gmsh, one.centre, 0.5 * high * along, 0.5 * high * across, 0.5 * (wide - high) * along
@@ -386,6 +387,10 @@ def _faces(
                 if abs((one.centre - corners[0]) @ normal) <= _FLAT * size
                 and _contains(corners, normal, one.centre)
             ]
+            for k in inside:
+                _refuse_open_edge(
+                    corners, normal, plate.openings[k], name, f"plates.{plate.name}.openings.{k}"
+                )
             used |= set(inside)
             tags = [_polygon(gmsh, corners)]
             if inside:
@@ -401,6 +406,36 @@ def _faces(
                     expected="a point of the plate",
                 )
     return found + imported
+
+
+def _axes_of(
+    opening: Opening, normal: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Directions of the width and of the height of an opening in a plate."""
+    given = np.cross(normal, _any_across(normal)) if opening.direction is None else opening.direction
+    width = _unit(given - (given @ normal) * normal)
+    return width, np.cross(normal, width)
+
+
+def _refuse_open_edge(
+    corners: NDArray[np.float64], normal: NDArray[np.float64], opening: Opening, name: str, key: str
+) -> None:
+    """An opening lies within its plate, edge included."""
+    width, height = _axes_of(opening, normal)
+    angles = np.linspace(0.0, 2.0 * np.pi, 32, endpoint=False)
+    small = 0.5 * min(opening.width, opening.height)
+    for angle in angles:
+        c, s = np.cos(angle), np.sin(angle)
+        pull = (np.sign(c) * (0.5 * opening.width - small), np.sign(s) * (0.5 * opening.height - small))
+        point = opening.centre + (small * c + pull[0]) * width + (small * s + pull[1]) * height
+        if not _contains(corners, normal, point):
+            at = ", ".join(f"{1e3 * x + 0.0:.6g}" for x in np.round(point, 9))
+            raise InputError(
+                f"it leaves the plate at ({at}) mm",
+                source=name,
+                key=key,
+                expected="an opening within the plate; a notch is a corner of the polygon",
+            )
 
 
 def _contains(corners: NDArray[np.float64], normal: NDArray[np.float64], point: NDArray[np.float64]) -> bool:
@@ -576,6 +611,31 @@ def _refuse_loose_lines(
             )
 
 
+def _refuse_lines_twice(
+    gmsh: Any,
+    lines: Sequence[tuple[int, int]],
+    parts: Sequence[Sequence[int]],
+    stiffeners: Sequence[Stiffener],
+    name: str,
+) -> None:
+    """No stiffener stands on another one, on the same side."""
+    taken: dict[int, Stiffener] = {}
+    for (index, _), own in zip(lines, parts, strict=True):
+        one = stiffeners[index]
+        for tag in own:
+            other = taken.get(tag)
+            if other is not None and _unit(other.web) @ _unit(one.web) > 0.0:
+                middle = np.round(gmsh.model.getBoundingBox(1, tag), 3).reshape(2, 3).mean(axis=0) + 0.0
+                at = ", ".join(f"{x:.6g}" for x in middle)
+                raise InputError(
+                    f"it lies on {other.name!r} around ({at}) mm",
+                    source=name,
+                    key=f"stiffeners.{one.name}",
+                    expected="one stiffener on each side of a line",
+                )
+        taken.update(dict.fromkeys(own, one))
+
+
 def _lug_plates(lug: Lug) -> Iterator[Lug | Plate]:
     """The lug itself, and its brackets as plates."""
     yield lug
@@ -729,19 +789,15 @@ def _collect(
     for index, parts in sorted(beams.items()):
         one, elements = stiffeners[index], new[np.vstack(parts)]
         groups[one.name] = np.unique(elements)
-        rods.append(_beams(one, elements, points[used], thickness.get(one.plate, 0.0), name))
+        middle = np.zeros((len(elements), 3))
+        if one.plate:
+            own = [part for part in shells if part.name == one.plate]
+            middle = float(own[0].offset) * _plate_normal(one, elements, own, points[used], name)
+        rods.append(_beams(one, elements, points[used], thickness.get(one.plate, 0.0), middle, name))
     for lug in lugs:
         centre = lug.foot + lug.height * _unit(lug.normal)
         own = groups[lug.name]
-        others = [part.elements for part in shells if not part.name.startswith(lug.name)]
-        if not others or not np.intersect1d(own, np.hstack([elements.ravel() for elements in others])).size:
-            at = ", ".join(f"{1e3 * x:.6g}" for x in lug.foot)
-            raise InputError(
-                f"its foot at ({at}) mm stands on no plate",
-                source=name,
-                key=f"lugs.{lug.name}",
-                expected="a foot that lies in a plate",
-            )
+        _refuse_foot_in_the_air(lug, own, shells, points[used], name)
         distance = np.linalg.norm(points[used][own] - centre, axis=1)
         groups[f"{lug.name}_plate"] = own
         groups[lug.name] = own[np.abs(distance - 0.5 * lug.hole) <= 1e-6 * lug.hole]
@@ -752,6 +808,26 @@ def _collect(
         node_groups=groups,
         name=name,
     )
+
+
+def _refuse_foot_in_the_air(
+    lug: Lug, own: NDArray[np.int64], shells: Sequence[Shells], points: NDArray[np.float64], name: str
+) -> None:
+    """All of the foot of a lug stands on other plates."""
+    others = [part.elements.ravel() for part in shells if part.name not in {lug.name, f"{lug.name}_brackets"}]
+    foot = own[np.abs((points[own] - lug.foot) @ _unit(lug.normal)) <= 1e-6 * lug.height]
+    loose = np.setdiff1d(foot, np.concatenate([np.empty(0, dtype=np.int64), *others]))
+    if loose.size or not foot.size:
+        place = points[loose[0]] if loose.size else lug.foot
+        at = ", ".join(f"{1e3 * x:.6g}" for x in lug.foot)
+        where = ", ".join(f"{1e3 * x + 0.0:.6g}" for x in np.round(place, 9))
+        all_of_it = "" if loose.size < foot.size else "its foot at (" + at + ") mm stands on no plate"
+        raise InputError(
+            all_of_it or f"its foot at ({at}) mm leaves the plates at ({where}) mm",
+            source=name,
+            key=f"lugs.{lug.name}",
+            expected="a foot that lies in a plate",
+        )
 
 
 def _turned(points: NDArray[np.float64], elements: NDArray[np.int64], plate: Any) -> NDArray[np.int64]:
@@ -769,10 +845,45 @@ def _turned(points: NDArray[np.float64], elements: NDArray[np.int64], plate: Any
     return np.where((own @ normal < 0.0)[:, None], elements[:, ::-1], elements)
 
 
+def _plate_normal(
+    one: Stiffener,
+    elements: NDArray[np.int64],
+    plates: Sequence[Shells],
+    points: NDArray[np.float64],
+    name: str,
+) -> NDArray[np.float64]:
+    """Unit normal of the plate along each beam of a stiffener, shape (ne, 3).
+
+    Refuses a web that does not lead away from the plate: by 60 degrees or more from the normal.
+    """
+    normals = np.zeros((len(points), 3))
+    for part in plates:
+        x = points[part.elements]
+        area = np.cross(x[:, 2] - x[:, 0], x[:, -1] - x[:, 1])
+        for corner in range(part.elements.shape[1]):
+            np.add.at(normals, part.elements[:, corner], area)
+    found = normals[elements].sum(axis=1)
+    found /= np.linalg.norm(found, axis=1, keepdims=True)
+    cosine = float(np.abs(found @ _unit(one.web)).min())
+    if cosine < 0.5:
+        raise InputError(
+            f"its web is at {np.degrees(np.arccos(cosine)):.3g} deg to the normal of its plate",
+            source=name,
+            key=f"stiffeners.{one.name}.web",
+            expected="a direction away from the plate",
+        )
+    return np.asarray(found)
+
+
 def _beams(
-    one: Stiffener, elements: NDArray[np.int64], points: NDArray[np.float64], thickness: float, name: str
+    one: Stiffener,
+    elements: NDArray[np.int64],
+    points: NDArray[np.float64],
+    thickness: float,
+    middle: NDArray[np.float64],
+    name: str,
 ) -> Beams:
-    """Beams of a stiffener, its centroid off the plate by half of the thickness and its own height."""
+    """Beams of a stiffener, its centroid off the middle of the plate by half of the thickness and its own height."""
     web = _unit(one.web)
     along = points[elements[:, 1]] - points[elements[:, 0]]
     along /= np.linalg.norm(along, axis=1, keepdims=True)
@@ -792,7 +903,7 @@ def _beams(
     offset, section = np.zeros((len(elements), 3)), one.section
     if one.plate:
         section = replace(section, product=0.0)  # the plate keeps it from turning aside
-        offset = second * (0.5 * thickness + one.foot[0]) + third * one.foot[1]
+        offset = middle + second * (0.5 * thickness + one.foot[0]) + third * one.foot[1]
     return Beams(
         name=one.name,
         elements=elements,

@@ -128,6 +128,12 @@ def test_what_is_wrong_is_said_at_its_key(tmp_path, old, new, message):
         _case(tmp_path / "panel", CASE.replace(old, new, 1))
 
 
+def test_a_material_that_does_not_exist_is_refused(tmp_path):
+    case = _case(tmp_path / "panel", CASE.replace('"206 GPa"', "206000"))
+    with pytest.raises(InputError, match=r"bodies\.panel\.material.*: E 206000 Pa with 7850 kg/m\^3"):
+        run_case(case, stages=("mesh",))
+
+
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
@@ -141,7 +147,7 @@ def test_what_is_wrong_is_said_at_its_key(tmp_path, old, new, message):
             "line = [[0, 0.5, 0], [5, 0.5, 0]]",
             r"stiffeners\.bars: it leaves the",
         ),
-        ("web = [0, 0, -1]", "web = [1, 0, 0]", r"stiffeners\.bars\.web: its web runs along it"),
+        ("web = [0, 0, -1]", "web = [1, 0, 0]", r"stiffeners\.bars\.web: its web is at 90 deg"),
     ],
 )
 def test_what_does_not_fit_together_is_said_when_it_is_meshed(tmp_path, old, new, message):

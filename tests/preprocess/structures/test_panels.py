@@ -91,6 +91,15 @@ def test_plates_and_stiffeners_of_a_double_bottom_meet_node_on_node():
     assert np.array_equal(np.unique(found.nodes[found.node_groups["tank_top"], 2]), [2.0])
 
 
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_stiffener_stands_on_the_surface_of_a_plate_whose_middle_is_off_its_corners(sign):
+    top = Plate("top", STEEL, 0.02, repeated(SQUARE), offset=0.05)
+    bar = replace(BAR, web=np.array([0.0, 0.0, sign]), foot=(0.075, 0.0))
+    (beams,) = mesh_panels([top], [bar], size=0.5).beams
+    wanted = [0.0, 0.0, 0.05 + sign * (0.01 + 0.075)]
+    assert beams.offset_a == pytest.approx(np.tile(wanted, (len(beams.elements), 1)), abs=1e-14)
+
+
 def test_normals_are_those_of_the_polygons():
     plates, _ = _double_bottom()
     found = mesh_panels(plates, size=1.0)
@@ -141,6 +150,10 @@ def test_a_lug_stands_on_its_plate_with_a_pin_hole():
     assert rim.mean(axis=0) == pytest.approx(np.zeros(3), abs=1e-6)
     foot = np.intersect1d(found.node_groups["lug_plate"], found.node_groups["top"])
     assert np.ptp(found.nodes[foot, 0]) == pytest.approx(0.5)
+    with pytest.raises(
+        InputError, match=r"lugs\.lug: its foot at \(3900, 0, 0\) mm leaves the plates at \(4150, 0, 0\)"
+    ):
+        mesh_panels([top], lugs=[replace(lug, foot=np.array([3.9, 0.0, 0.0]))], size=0.1)
     with pytest.raises(InputError, match=r"lugs\.lug: its foot at \(2000, 0, 300\) mm stands on no plate"):
         mesh_panels([top], lugs=[replace(lug, foot=np.array([2.0, 0.0, 0.3]))], size=0.1)
 
@@ -172,7 +185,19 @@ BAR = Stiffener("bar", STEEL, FLAT, repeated([[0.2, 1, 0], [1.8, 1, 0]]), np.arr
             r"stiffeners\.bar: it leaves the plate 'top'",
         ),
         ([TOP], [replace(BAR, plate="deck")], "plate 'deck' is unknown"),
-        ([TOP], [replace(BAR, web=np.array([1.0, 0, 0]))], r"stiffeners\.bar\.web: its web runs along it"),
+        ([TOP], [replace(BAR, web=np.array([1.0, 0, 0]))], r"stiffeners\.bar\.web: its web is at 90 deg"),
+        ([TOP], [BAR, replace(BAR, name="again")], r"stiffeners\.again: it lies on 'bar' around"),
+        ([TOP], [replace(BAR, lines=BAR.lines * 2)], r"stiffeners\.bar: it lies on 'bar' around"),
+        (
+            [TOP],
+            [replace(BAR, web=np.array([0.0, 1, 0]))],
+            r"stiffeners\.bar\.web: its web is at 90 deg to the normal",
+        ),
+        (
+            [replace(TOP, openings=(Opening(np.array([1.9, 1, 0]), 0.3, 0.3),))],
+            [],
+            r"plates\.top\.openings\.0: it leaves the plate at",
+        ),
         (
             [replace(TOP, openings=(Opening(np.array([5.0, 1, 0]), 0.3, 0.3),))],
             [],
