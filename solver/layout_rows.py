@@ -131,9 +131,17 @@ def _pack(
     pack_elements(acting, context, record)
     flexible: list[Any] = [body for body in ordered if body.mode_count]
     if flexible:
-        from heavylift.solver.bodies.floating_frame.held_chords import tell_held_chords, tell_lines
+        from heavylift.solver.bodies.floating_frame.held_chords import (
+            tell_few_modes,
+            tell_held_chords,
+            tell_lines,
+        )
 
-        packed.notes = (*tell_held_chords(flexible, scene.joints), *tell_lines(flexible, scene.joints))
+        packed.notes = (
+            *tell_held_chords(flexible, scene.joints),
+            *tell_few_modes(flexible, scene.joints),
+            *tell_lines(flexible, scene.joints),
+        )
     make_system: Any = None
     if scene.joints:
         from heavylift.solver.joints.registry import pack_joints

@@ -127,6 +127,19 @@ def _place_nodes(
     return patch_nodes(model, nodes, box=(place.lower, place.upper), name=key)
 
 
+def _faces_of(model: FEModel, load: StaticLoadSection, key: str) -> NDArray[np.int64]:
+    """Outer faces of each group of a load, once each: a face between two groups is of neither."""
+    from heavylift.modal.contact_vectors import outer_faces
+
+    if len(load.on) < 2:
+        return outer_faces(model, _place_nodes(model, load, key), name=key)
+    parts = [load.model_copy(update={"on": (group,)}) for group in load.on]
+    return np.unique(
+        np.concatenate([outer_faces(model, _place_nodes(model, part, key), name=key) for part in parts]),
+        axis=0,
+    )
+
+
 def _static_states(flexibility: Flexibility, body: FlexibleBodySection) -> list[StaticState]:
     """Equilibrium under each static load case of a body, with the buckling factors that are asked for."""
     from heavylift.modal.buckling import buckling
@@ -163,7 +176,6 @@ def _all_motions(model: FEModel, state: StaticState) -> NDArray[np.float64]:
 
 def _nodal_forces(model: FEModel, load: StaticLoadSection, key: str) -> NDArray[np.float64]:
     """Nodal forces of a load [N, N m], node-major, shape (N,)."""
-    from heavylift.modal.contact_vectors import outer_faces
     from heavylift.modal.flexibility import apply_mass
     from heavylift.modal.interfaces import group_weights
     from heavylift.modal.statics import face_area, face_forces
@@ -186,7 +198,7 @@ def _nodal_forces(model: FEModel, load: StaticLoadSection, key: str) -> NDArray[
         moments[model.rotation_dofs[turning][:, np.newaxis] + np.arange(3)] = shares
         return moments
     try:
-        faces = outer_faces(model, nodes, name=key)
+        faces = _faces_of(model, load, key)
     except InputError:
         if load.force is None:
             raise

@@ -248,7 +248,7 @@ def _panels(
         found.width,
         found.thickness,
         stress[..., [0, 2, 4]].astype(np.float32),
-        panel_use(found, stress, strength).astype(np.float32),
+        panel_use(found, body.stress.gamma_M * stress, strength).astype(np.float32),
     ), notes
 
 
@@ -597,7 +597,6 @@ def _places(
 
     if not (case.joints or case.ropes or case.forces):
         return []
-    body: Any = case.bodies[name]
     joints = assemble_scene(case, folder).joints
     origin = np.array(json.loads(read_header(folder.reduced(name))["frame_origin"]))
     # joints that hold directions have static vectors
@@ -609,7 +608,7 @@ def _places(
         name,
         origin,
     )
-    known = [np.array(one.at) for one in body.interfaces.values() if one.at is not None]
+    known = [one.point + origin for one in reduced.interfaces.values()]
     notes: list[str] = []
     seen: list[NDArray[np.float64]] = []
     for key, point in acting:

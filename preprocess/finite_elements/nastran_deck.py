@@ -52,6 +52,7 @@ __all__ = ["read_nastran_deck"]
 # ---- text ----
 
 
+_LONG = 9  # fields behind the name, of a line in free format: eight of data and the name of the continuation
 _SELECTED = "CASE.NSM"  # what case control says of nonstructural masses, as an entry
 
 
@@ -66,6 +67,13 @@ def _cards(deck: Path, root: Path) -> Iterator[Card]:
                 source=file,
                 key=f"line {number}",
                 expected="a deck that writes every entry out",
+            )
+        if len(fields) > _LONG and fields[-1].startswith("+"):
+            raise InputError(
+                f"{name!r} has {len(fields) + 1} fields, and the last names a continuation",
+                source=file,
+                key=f"line {number}",
+                expected="ten fields at most: the name, eight of data and that of the continuation",
             )
         if name and name[0] not in "+*":
             if card is not None:

@@ -422,7 +422,8 @@ class _Search:
             f"no static equilibrium found after {self.iterations} iterations: nothing holds {left}",
             source="simulation",
             key="start",
-            expected=f"joints, springs or ropes that carry all loads, {on_deck}or a start nearer to the equilibrium",
+            expected=f"joints, springs or ropes that carry all loads, {on_deck}a start nearer to the equilibrium, or "
+            "start = 'relax', which lets the bodies come to rest",
         )
 
 

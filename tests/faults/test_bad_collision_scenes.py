@@ -104,7 +104,7 @@ def test_what_cannot_be_is_refused_by_name_and_key(
         ({"body": "bax"}, r"skin: body: there is no body 'bax'; expected ground or one of box, held"),
         (
             {"surface": None},
-            r"skin: body: no triangles on 'box'; expected a rigid body or the ground with triangles",
+            r"skin: body: no triangles on 'box'; expected a rigid body, a body with modes or the ground with",
         ),
     ],
 )

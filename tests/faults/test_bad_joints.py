@@ -67,7 +67,7 @@ SPRING = (
             "bodies.load.type=",
             "bodies.load",
             "key 'type' is missing",
-            "'flexible', 'rigid', 'frame', 'shell'",
+            "'flexible', 'rigid', 'frame', 'rod', 'shell'",
         ),
         ("bodies.load.frame={}", "bodies.load.frame", "key 'motion' is missing", "'free', 'fixed', 'driven'"),
         ("bodies.load.inertia=[1, 2, '3 m']", "bodies.load.inertia.2", "'3 m' is a length", "[kg m^2]"),

@@ -12,11 +12,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from heavylift.modal.reduced import TURNED
+from heavylift.solver.scene.bodies import Free
+
 if TYPE_CHECKING:
     from heavylift.modal.reduced import ReducedBody
     from heavylift.solver.scene.bodies import FlexibleBody
 
-__all__ = ["tell_held_chords", "tell_lines"]
+__all__ = ["tell_few_modes", "tell_held_chords", "tell_lines"]
 
 _POINT = (False, False, False)  # rows of a joint that holds a point come first, and none of them is an angle
 
@@ -51,6 +54,33 @@ def tell_held_chords(bodies: Sequence[FlexibleBody], joints: Sequence[Any]) -> t
                     "where they turn by an angle a, its modes lengthen what is between them by a^2 / 2 of it, which "
                     "they resist; take one of them, and rods (type 'distance') that hold no more than it needs"
                 )
+    return tuple(sentences)
+
+
+def tell_few_modes(bodies: Sequence[FlexibleBody], joints: Sequence[Any]) -> tuple[str, ...]:
+    """Sentences on bodies whose modes are held by as many rows of joints, so that none of them is left to deform."""
+    sentences = []
+    flexible = {body.name for body in bodies}
+    for body in bodies:
+        reduced = body.reduced
+        if not reduced.continuum or not reduced.mode_count:
+            continue
+        largest = np.linalg.norm(reduced.mode_shapes, axis=2).max()
+        rows = 0
+        for joint in joints:
+            if {joint.body_a, joint.body_b} & flexible != {body.name} or joint.body_a == joint.body_b:
+                continue
+            frame = joint.frame_a if joint.body_a == body.name else joint.frame_b
+            moved = reduced.motion_at(frame.point, source=body.name).displacement
+            if np.linalg.norm(moved, axis=1).max() > TURNED * largest:
+                rows += list(joint.rotational).count(False)
+        free = 6 if isinstance(body.motion, Free) else 0
+        if rows >= reduced.mode_count + free:
+            sentences.append(
+                f"joints hold {rows} displacements of places of the flexible body {body.name!r}, which has "
+                f"{reduced.mode_count} modes: they leave it no deformation; give it more modes, static points or "
+                "interfaces there"
+            )
     return tuple(sentences)
 
 
