@@ -100,6 +100,10 @@ class StressSection(_StrengthSection):
     """Whether plates between stiffeners and other plates are told with their utilisation by buckling, by mean
     stresses."""
 
+    buckling: bool = False
+    """Whether the factor is told by which all stress may grow until the body buckles, at the record with the largest
+    elastic energy: linear buckling of the whole model, restrained by `modes.clamp` and `supports` alone."""
+
     @field_validator("groups", "hot_spots")
     @classmethod
     def _one_each(cls, entries: tuple[Any, ...], info: ValidationInfo) -> tuple[Any, ...]:

@@ -167,6 +167,10 @@ def _computed(case: Case, name: str, folder: OutputFolder, results: Results, log
     notes += _too_few_records(name, reduced, results)
     panels, more = _panels(case, name, body, model, shapes, modal)
     notes += more
+    if body.stress.buckling:
+        energy = 0.5 * modal[:, : reduced.mode_count] ** 2 @ reduced.eigenvalues
+        record = int(energy.argmax())
+        notes.append(_buckling(case, name, flexibility(), shapes @ modal[record], results.time[record]))
     found: list[list[GroupHistory]] = []
     envelopes: list[PartEnvelope] = []
     total, done = sum(map(len, parts)), 0
@@ -199,6 +203,28 @@ def _computed(case: Case, name: str, folder: OutputFolder, results: Results, log
         loads=loads,
         notes=tuple(notes),
         panels=panels,
+    )
+
+
+def _buckling(
+    case: Case, name: str, flexibility: Flexibility, displacements: NDArray[np.float64], time: float
+) -> str:
+    """Sentence on the factor by which the stress of some displacements, shape (N,), may grow until the body buckles."""
+    from heavylift.modal.buckling import buckling
+    from heavylift.modal.stress_stiffness import stress_stiffness
+
+    key = case.place(f"bodies.{name}.stress.buckling")
+    geometric = stress_stiffness(flexibility.model, key=key)(displacements)
+    factor = buckling(flexibility, geometric, source=str(case.file), key=key).factor
+    grows = f"by a factor of {factor:.4g}" if np.isfinite(factor) else "without end"
+    held = (
+        "its clamp and supports hold it"
+        if flexibility.rigid_count == 0
+        else "ropes and joints do not restrain it"
+    )
+    return (
+        f"Buckling at {time:.6g} s, with the largest elastic energy: all stress may grow {grows} until the body "
+        f"buckles (linear buckling of the whole model, in which {held})."
     )
 
 

@@ -468,3 +468,36 @@ duration = 0
     turns[model.rotating] = u[n:].reshape(-1, 3)
     expected = np.nanmax(nodal_stresses(model, [u[:n].reshape(-1, 3)], [turns]))
     assert quantities.number("stress.plate.deck.von_mises.max") == pytest.approx(expected, rel=1e-4)
+
+
+def test_the_buckling_factor_of_a_column_under_its_weight_is_that_of_greenhill(tmp_path):
+    (tmp_path / "case.toml").write_text(
+        f"""
+title = "A column that stands in its own weight"
+gravity = {{ acceleration = [0, 0, -{G}] }}
+
+[bodies.column]
+type = "flexible"
+material = {{ young_modulus = {E}, poisson_ratio = 0, density = {RHO} }}
+mesh = {{ size = 0.1 }}
+modes = {{ count = 6, clamp = ["root"] }}
+frame = {{ motion = "fixed" }}
+stress = {{ buckling = true }}
+
+[bodies.column.geometry]
+type = "panels"
+plates.web = {{ thickness = "5 mm", corners = [[0, 0, 0], [0.1, 0, 0], [0.1, 0, 3], [0, 0, 3]] }}
+groups.root = {{ plane = "z", at = 0 }}
+
+[simulate]
+start = "equilibrium"
+duration = 0
+"""
+    )
+    case = load_case(tmp_path)
+    assert run_case(case, stages=("mesh", "modes", "simulate")).outcome is Outcome.COMPLETED
+    stress = body_stress(case, "column", OutputFolder(case.output_folder), load_results(case))
+    (note,) = [note for note in stress.notes if note.startswith("Buckling")]
+    factor = float(note.partition("by a factor of ")[2].partition(" ")[0])
+    greenhill = 7.8373 * E * 0.005**2 / 12.0 / (RHO * G * 3.0**3)
+    assert factor == pytest.approx(greenhill, rel=5e-3)
