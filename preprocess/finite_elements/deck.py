@@ -736,6 +736,7 @@ def material_of(
             source=source,
             expected="linear isotropic elasticity; 'ignore_material' takes the mesh only, with the material given here",
         )
+    units_given = length_unit is not None or mass_unit is not None
     length, mass = length_unit or 1.0, mass_unit or 1.0
     scale_known = mass_unit is not None or length_unit is None
     units = {"young_modulus": mass / length, "poisson_ratio": 1.0, "density": mass / length**3}
@@ -773,7 +774,7 @@ def material_of(
                 _disagree(key, here, there, unit, found.name, source)
     values = {**of_file_si, **given}
     material = Material(**{key: values[key] for key in keys})
-    if of_file:
+    if of_file and not units_given:
         _check_material(material, source)
     return material
 

@@ -8,6 +8,7 @@ import pytest
 from heavylift.numerics.outcome import InputError
 from heavylift.pipeline.assemble.finite_elements import assemble_model, model_properties, write_vtu
 from heavylift.pipeline.case.case_file import load_case
+from heavylift.pipeline.results.provenance import mesh_digest
 
 CASE = """\
 title = "Panel of a deck"
@@ -90,6 +91,13 @@ foot = "5 mm"
     assert model.total_mass == pytest.approx(BY_HAND, rel=1e-9)
     (beams,) = model.structure.beams
     np.testing.assert_allclose(beams.offset_a, np.tile([0.0, 0.0, 0.08], (4, 1)), atol=1e-15)
+    # what the case gives is part of what the mesh depends on
+    digests = set()
+    for old, new in (("", ""), ('"10 mm"', '"20 mm"'), ('"150 mm"', '"140 mm"'), ('"5 mm"', '"6 mm"')):
+        (folder / "case.toml").write_text(case.replace(old, new) if old else case)
+        changed = load_case(folder)
+        digests.add(mesh_digest(changed, changed.bodies["panel"]))
+    assert len(digests) == 4
 
 
 @pytest.mark.parametrize(

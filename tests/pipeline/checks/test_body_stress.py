@@ -501,3 +501,57 @@ duration = 0
     factor = float(note.partition("by a factor of ")[2].partition(" ")[0])
     greenhill = 7.8373 * E * 0.005**2 / 12.0 / (RHO * G * 3.0**3)
     assert factor == pytest.approx(greenhill, rel=5e-3)
+
+
+def test_the_correction_knows_that_a_rigid_interface_does_not_deform(tmp_path):
+    """A beam between two clamps whose middle is rigid: its few modes and the correction, beside many modes alone."""
+    found = []
+    for count, correction in ((3, "true"), (150, "false")):
+        folder = tmp_path / str(count)
+        folder.mkdir()
+        (folder / "case.toml").write_text(
+            f"""
+title = "A beam with a rigid middle"
+gravity = {{ acceleration = [0, 0, -{G}] }}
+
+[bodies.beam]
+{BAR}
+modes = {{ count = {count}, clamp = ["root", "end"] }}
+frame = {{ motion = "fixed" }}
+stress = {{ correction = {correction} }}
+
+[bodies.beam.geometry]
+type = "blocks"
+add = [{{ name = "bar", from = [0, 0, 0], to = [{LENGTH}, {SIDE}, {SIDE}] }}]
+
+[bodies.beam.geometry.groups]
+root = {{ plane = "x", at = 0 }}
+end = {{ plane = "x", at = {LENGTH} }}
+middle = {{ from = [0.4, 0, 0], to = [1.6, {SIDE}, {SIDE}] }}
+
+[bodies.beam.interfaces.middle]
+at = [1, 0, 0]
+group = "middle"
+kind = "rigid"
+
+[simulate]
+start = "equilibrium"
+duration = 0
+"""
+        )
+        case = load_case(folder)
+        assert run_case(case, stages=("mesh", "modes", "simulate")).outcome is Outcome.COMPLETED
+        stress = body_stress(case, "beam", OutputFolder(case.output_folder), load_results(case))
+        found.append(stress.group("all").history()[-1])
+    assert found[0] == pytest.approx(found[1], rel=0.02)
+
+
+def test_what_a_table_of_stress_lacks_is_said_before_a_run(tmp_path):
+    text = RESTING.replace('name = "half", yield_strength', 'name = "hlaf", yield_strength')
+    (tmp_path / "case.toml").write_text(text)
+    case = load_case(tmp_path)
+    run_case(case, stages=("mesh", "modes"))
+    with pytest.raises(
+        InputError, match=r"bodies\.held\.stress\.groups\.1\.name: group 'hlaf' does not exist"
+    ):
+        run_case(case, stages=("simulate",))

@@ -1,0 +1,107 @@
+"""Flexible beams that fixed joints build in, without interfaces of their own, against closed forms."""
+
+from __future__ import annotations
+
+import pytest
+
+from heavylift.numerics.outcome import Outcome
+from heavylift.pipeline import load_case, load_results, run_case
+
+BEAM = """
+[bodies.beam]
+type = "flexible"
+material = {{ young_modulus = "210 GPa", poisson_ratio = 0.0, density = "{density} kg/m^3" }}
+frame = {{ motion = "{motion}" }}
+mesh = {{ element = "hex8", divisions = {{ x = [40], y = [2], z = [2] }} }}
+
+[bodies.beam.geometry]
+type = "blocks"
+add = [{{ name = "beam", from = [0, "-10 mm", "-10 mm"], to = ["1 m", "10 mm", "10 mm"] }}]
+groups = {{ root = {{ plane = "x", at = 0 }}, tip = {{ plane = "x", at = "1 m" }} }}
+
+[[sensors]]
+name = "tip"
+body = "beam"
+point = ["1 m", 0, 0]
+"""
+
+HEAD = """
+title = "A beam that a joint builds in"
+
+[gravity]
+acceleration = [0, 0, -9.81]
+
+[simulate]
+start = "equilibrium"
+duration = 0
+"""
+
+STIFFNESS, LENGTH = 210e9 * 0.02**4 / 12.0, 1.0
+
+
+def _results(folder, text):
+    (folder / "case.toml").write_text(HEAD + text)
+    case = load_case(folder)
+    assert run_case(case, stages=("mesh", "modes", "simulate")).outcome is Outcome.COMPLETED
+    return load_results(case)
+
+
+@pytest.mark.parametrize("static", ["", 'static_groups = ["tip"]'])
+def test_an_arm_that_is_built_in_at_the_tip_bends_a_cantilever(tmp_path, static):
+    results = _results(
+        tmp_path,
+        BEAM.format(density=1, motion="fixed")
+        + f"""
+[bodies.beam.modes]
+count = 10
+clamp = ["root"]
+{static}
+
+[bodies.arm]
+type = "rigid"
+mass = "2 kg"
+inertia = [1e-3, 1e-3, 1e-3]
+centre_of_mass = ["0.5 m", 0, 0]
+frame = {{ motion = "free" }}
+initial = {{ position = ["1 m", 0, 0] }}
+
+[[joints]]
+type = "fixed"
+name = "built_in"
+between = ["beam", "arm"]
+at = ["1 m", 0, 0]
+
+[[sensors]]
+name = "load"
+body = "arm"
+point = ["0.5 m", 0, 0]
+""",
+    )
+    force, arm = 2.0 * 9.81, 0.5
+    tip = -force * (LENGTH**3 / 3.0 + arm * LENGTH**2 / 2.0) / STIFFNESS
+    load = tip - arm * force * (LENGTH**2 / 2.0 + arm * LENGTH) / STIFFNESS
+    assert results["tip.position"][-1, 2] == pytest.approx(tip, rel=1e-3)
+    assert results["load.position"][-1, 2] == pytest.approx(load, rel=1e-3)
+    assert abs(results["built_in.reaction_moment"][-1, 1]) == pytest.approx(force * arm, rel=1e-3)
+
+
+@pytest.mark.parametrize("static", ["", 'static_groups = ["root", "tip"]'])
+def test_a_free_beam_built_into_the_ground_sags_as_a_cantilever(tmp_path, static):
+    results = _results(
+        tmp_path,
+        BEAM.format(density=7850, motion="free")
+        + f"""
+[bodies.beam.modes]
+count = 20
+{static}
+
+[[joints]]
+type = "fixed"
+name = "built_in"
+between = ["ground", "beam"]
+at = [0, 0, 0]
+""",
+    )
+    weight = 7850.0 * 0.02**2 * 9.81
+    assert results["tip.position"][-1, 2] == pytest.approx(-weight * LENGTH**4 / 8.0 / STIFFNESS, rel=1e-3)
+    assert abs(results["built_in.reaction_moment"][-1, 1]) == pytest.approx(0.5 * weight, rel=1e-3)
