@@ -45,9 +45,17 @@ def _one_or_more_numbers(value: Any) -> Any:
     return value if isinstance(value, (list, tuple)) else [value]
 
 
-Steps = Annotated[tuple[LengthVector, ...], BeforeValidator(_one_or_more)]
-Counts = Annotated[tuple[Count, ...], BeforeValidator(_one_or_more_numbers)]
-Places = Annotated[tuple[Annotated[float, Quantity("length")], ...], BeforeValidator(_one_or_more_numbers)]
+Steps = Annotated[
+    tuple[LengthVector, ...],
+    BeforeValidator(_one_or_more, json_schema_input_type=LengthVector | list[LengthVector]),
+]
+Counts = Annotated[
+    tuple[Count, ...], BeforeValidator(_one_or_more_numbers, json_schema_input_type=Count | list[Count])
+]
+_Place = Annotated[float, Quantity("length")]
+Places = Annotated[
+    tuple[_Place, ...], BeforeValidator(_one_or_more_numbers, json_schema_input_type=_Place | list[_Place])
+]
 
 
 class _Repeated(Section):

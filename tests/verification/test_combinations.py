@@ -21,6 +21,7 @@ sys.path.append(str(Path(__file__).resolve().parents[1] / "solver"))
 sys.path.append(str(Path(__file__).resolve().parents[1] / "solver" / "contact"))
 sys.path.append(str(Path(__file__).resolve().parents[1] / "solver" / "water"))
 import flexible_scenes
+import flexible_surfaces
 import test_contacts_of_hulls as barges
 
 from heavylift.contours.splines.neutral import neutral_surface
@@ -75,7 +76,6 @@ LIFT, HIGH = 0.2, 5.0
 """Heights [m] at which hulls are let go, above their floating position, and all else, above the water: in the wind."""
 
 REFUSED = {
-    ("flexible body", "triangle contact"): "flexible bodies with modes touch by contours",
     ("frame mesh", "drive"): "its supports hold nodes in the world; drive what a joint ties it to",
     ("shell mesh", "drive"): "its supports hold nodes in the world; drive what a joint ties it to",
     ("hull", "drive"): "the motion of 'a' is prescribed",
@@ -102,11 +102,17 @@ class Subject:
     step: float = 1e-3
 
 
-def subject(body: str) -> Subject:
+def subject(body: str, thing: str = "") -> Subject:
     if body == "rigid body":
         one: Any = RigidBody("body", 100.0, 16.0 * np.eye(3), position=np.array([0.0, 0.0, HIGH]))
         point, low = np.array([0.3, 0.0, 0.5]), np.array([0.3, 0.0, -0.5])
         return Subject({"bodies": (one,)}, "body", point, low, box_surface(1.0), 100.0)
+    if (body, thing) == ("flexible body", "triangle contact"):  # a solid, which has a surface
+        reduced = flexible_surfaces.bar(modes=3)
+        one = flexible_surfaces.flexible("body", reduced, [0.0, 0.0, HIGH])
+        low = np.array([0.0, 0.0, reduced.nodes[:, 2].min()])
+        skin = flexible_surfaces.skin("body", reduced)
+        return Subject({"bodies": (one,)}, "body", low, low, skin, reduced.integrals.mass, 2e-4)
     if body == "flexible body":
         plate = flexible_scenes.plate(free=True)
         place = {"position": np.array([0.0, 0.0, HIGH])}
@@ -202,10 +208,12 @@ def combined(of: Subject, thing: str) -> Scene:
         flat = replace(flat, points=flat.points + np.array([0.0, 0.0, floor]))
         keys["surfaces"] = (
             CollisionSurface(name="floor", body=GROUND, surface=flat),
-            CollisionSurface(name="skin", body=of.name, surface=of.skin),
+            of.skin
+            if isinstance(of.skin, CollisionSurface)
+            else CollisionSurface(name="skin", body=of.name, surface=of.skin),
         )
         law = LinearLaw(stiffness, damping)
-        keys["collisions"] = (Collision(name="link", surfaces=("floor", "skin"), law=law),)
+        keys["collisions"] = (Collision(name="link", surfaces=("floor", keys["surfaces"][1].name), law=law),)
     elif thing == "mooring line":
         section = LineSection(length=33.0, weight=0.05 * of.mass, axial_stiffness=1e4 * of.mass)
         ends = {"point_a": place + np.array([30.0, 0.0, 10.0]), "body_b": of.name, "point_b": of.point}
@@ -284,7 +292,7 @@ def impulse(force: Any, step: float) -> float:
 @pytest.mark.timeout(600)
 @pytest.mark.parametrize(("body", "thing"), CASES)
 def test_balances(body: str, thing: str) -> None:
-    of = subject(body)
+    of = subject(body, thing)
     if (body, thing) in REFUSED:
         expected = REFUSED[body, thing]
         if thing == "drive" and body not in HULLS:
