@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from heavylift.numerics.outcome import InputError
 from heavylift.pipeline.assemble.flexible import StartedBody
-from heavylift.pipeline.case.interfaces import holding_joints
+from heavylift.pipeline.case.interfaces import holding_joints, pulled_points, pulling_joints
 from heavylift.pipeline.case.places import located
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Mapping
+    from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
     from numpy.typing import NDArray
 
@@ -22,8 +22,9 @@ if TYPE_CHECKING:
     from heavylift.pipeline.case.interfaces import InterfaceSection
     from heavylift.preprocess.finite_elements.model import FEModel
 
-__all__ = ["arm_notes", "held_places", "interface_fits"]
+__all__ = ["arm_notes", "held_places", "interface_fits", "pulled_places"]
 
+_SAME = 1e-6  # of the size of a body: points that coincide
 _ARM = 0.5  # of the extent of a group: a reference point farther from its nodes is told
 
 
@@ -102,27 +103,69 @@ def held_places(
         A place that is not on the body.
     """
     from heavylift.modal.interfaces import is_at, place_fit
-    from heavylift.pipeline.assemble.frames import motion_of, start_of_frame
-    from heavylift.pipeline.assemble.sides import start_sides
 
     found: dict[str, Fit] = {}
-    joints = holding_joints(case.joints, name)
-    if not joints:
-        return found
-    start = start_of_frame(body.initial, origin)
-    placed = StartedBody(name, motion_of(body.frame), start["position"], start["orientation"])
-    side = start_sides([placed], {name: origin})[name]
     size = float(np.ptp(model.nodes, axis=0).max())
-    for index, joint in joints:
-        if getattr(joint, "at", None) is not None:
-            point = side.from_world(joint.at) + origin
-        else:
-            point = np.asarray(joint.points[joint.between.index(name)])
+    for index, joint, point in _joint_points(name, body, origin, holding_joints(case.joints, name)):
         if any(is_at(one, point, size) for one in (*known, *found.values())):
             continue
         with located(case, f"joints.{index}"):
             found[joint.name] = place_fit(model, point, source="", key="at" if joint.at else "points")
     return found
+
+
+def pulled_places(
+    case: Case,
+    name: str,
+    body: FlexibleBodySection,
+    model: FEModel,
+    origin: NDArray[np.float64],
+    known: Iterable[Fit],
+) -> list[NDArray[np.float64]]:
+    """Points where ropes, forces and joints of points pull at a body, each once; those of interfaces apart.
+
+    Parameters and errors as those of `held_places`; points in coordinates of the geometry [m].
+    """
+    from heavylift.modal.interfaces import is_at
+    from heavylift.preprocess.finite_elements.mesh import find_place
+
+    joints = pulling_joints(case.joints, name)
+    points = [(key, np.asarray(point)) for key, point in pulled_points(case.ropes, case.forces, name)]
+    points += [
+        (f"joints.{index}.{'at' if joint.at else 'points'}", point)
+        for index, joint, point in _joint_points(name, body, origin, joints)
+    ]
+    size = float(np.ptp(model.nodes, axis=0).max())
+    known = list(known)
+    found: list[NDArray[np.float64]] = []
+    for key, point in points:
+        beside = any(np.linalg.norm(point - other) <= _SAME * size for other in found)
+        if not beside and not any(is_at(one, point, size) for one in known):
+            find_place(model.nodes, model.elements, point, source=case.file, key=case.place(key))
+            found.append(point)
+    return found
+
+
+def _joint_points(
+    name: str,
+    body: FlexibleBodySection,
+    origin: NDArray[np.float64],
+    joints: Sequence[tuple[int, Any]],
+) -> Iterator[tuple[int, Any, NDArray[np.float64]]]:
+    """Numbers of joints, the joints and their points on a body, in coordinates of its geometry [m]."""
+    from heavylift.pipeline.assemble.frames import motion_of, start_of_frame
+    from heavylift.pipeline.assemble.sides import start_sides
+
+    if not joints:
+        return
+    start = start_of_frame(body.initial, origin)
+    placed = StartedBody(name, motion_of(body.frame), start["position"], start["orientation"])
+    side = start_sides([placed], {name: origin})[name]
+    for index, joint in joints:
+        if getattr(joint, "at", None) is not None:
+            yield index, joint, side.from_world(joint.at) + origin
+        else:
+            yield index, joint, np.asarray(joint.points[joint.between.index(name)])
 
 
 def _within(

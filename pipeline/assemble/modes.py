@@ -11,7 +11,7 @@ import numpy as np
 from heavylift.modal.stiffening import HERE
 from heavylift.numerics.outcome import InputError
 from heavylift.pipeline.assemble.finite_elements import four_files, in_body
-from heavylift.pipeline.assemble.interfaces import arm_notes, held_places, interface_fits
+from heavylift.pipeline.assemble.interfaces import arm_notes, held_places, interface_fits, pulled_places
 from heavylift.pipeline.case.places import located
 from heavylift.preprocess.finite_elements.groups import RELATIVE_TOLERANCE
 
@@ -295,6 +295,11 @@ def _reduce(
         flexibility = flexibility or Flexibility(model, clamped)
         loads = interfaces.attachment_loads(model, found, f"joint {one}")
         basis += _attachment_modes(flexibility, loads)[0]
+    if model.structure is not None and options.basis not in {"stored", "krylov"}:
+        points = pulled_places(case, name, body, elastic, origin, [*fits.values(), *joined.values()])
+        if points:
+            flexibility = flexibility or Flexibility(model, clamped)
+            basis += bases.static_vectors(flexibility, bases.place_loads(model, np.array(points)))
     reduced = reduce_body(
         model,
         basis.vectors,

@@ -193,8 +193,12 @@ class FlexibleBodySection(BodySection):
 
     @property
     def vector_count(self) -> int | None:
-        """Vectors of the basis, if its table tells; attachment modes of joints apart."""
-        return None if self.interfaces else self.modes.vector_count
+        """Vectors of the basis, if its table tells; attachment modes of joints apart.
+
+        Bodies of plates and beams, which panels and mesh files may be, have vectors for all that pulls at them.
+        """
+        joined = self.interfaces or self.geometry.type in {"mesh", "panels"}
+        return None if joined else self.modes.vector_count
 
     @model_validator(mode="after")
     def _fits(self) -> "FlexibleBodySection":

@@ -10,7 +10,7 @@ from pydantic import model_validator
 from heavylift.pipeline.case.fields import LengthVector, Positive, Section, reject
 from heavylift.solver.scene.connections import Place
 
-__all__ = ["InterfaceSection", "holding_joints"]
+__all__ = ["InterfaceSection", "holding_joints", "pulled_points", "pulling_joints"]
 
 
 class InterfaceSection(Section):
@@ -46,3 +46,35 @@ def holding_joints(joints: Sequence[Any], body: str) -> list[tuple[int, Any]]:
         and joint.DESCRIBED.PLACE is not Place.EDGE
         and any(joint.DESCRIBED.ROTATIONAL)
     ]
+
+
+def pulling_joints(joints: Sequence[Any], body: str) -> list[tuple[int, Any]]:
+    """Joints that hold a point of a body and no direction, with their numbers: forces go through them."""
+    holding = {index for index, _ in holding_joints(joints, body)}
+    return [
+        (index, joint)
+        for index, joint in enumerate(joints)
+        if body in joint.between and joint.DESCRIBED.PLACE is not Place.EDGE and index not in holding
+    ]
+
+
+def pulled_points(
+    ropes: Sequence[Any], forces: Sequence[Any], body: str
+) -> list[tuple[str, tuple[float, float, float]]]:
+    """Points of a body at which ropes and forces pull, with their keys, in coordinates of its geometry [m]."""
+    found = [
+        (f"ropes.{i}.path.{k}.point", stop.point)
+        for i, rope in enumerate(ropes)
+        for k, stop in enumerate(rope.path)
+        if stop.body == body
+    ]
+    for i, force in enumerate(forces):
+        if hasattr(force, "point") and force.body == body:
+            found.append((f"forces.{i}.point", force.point))
+        elif hasattr(force, "points"):
+            found += [
+                (f"forces.{i}.points.{k}", point)
+                for k, (side, point) in enumerate(zip(force.between, force.points, strict=True))
+                if side == body
+            ]
+    return found

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, get_args
 from heavylift.pipeline.case.connectivity import connected_to_hull
 from heavylift.pipeline.case.fields import InFolder, Section
 from heavylift.pipeline.case.geometry import MatricesGeometry
-from heavylift.pipeline.case.interfaces import holding_joints
+from heavylift.pipeline.case.interfaces import holding_joints, pulled_points, pulling_joints
 from heavylift.pipeline.case.tables import SceneTables
 from heavylift.pipeline.results.storage import digest_file, digest_json, read_json
 
@@ -204,6 +204,9 @@ def modes_digest(case: Case, body: FlexibleBodySection) -> str:
             for name, contour in own.items()
         }
     held = [joint.model_dump(mode="json") for _, joint in holding_joints(case.joints, owner)]
+    if body.geometry.type in {"mesh", "panels"}:  # perhaps of plates and beams
+        held += [joint.model_dump(mode="json") for _, joint in pulling_joints(case.joints, owner)]
+        reduction["pulled"] = [list(point) for _, point in pulled_points(case.ropes, case.forces, owner)]
     if held:  # their places in the body depend on where it starts
         frames = (body.frame, body.initial)
         reduction["held"] = [*held, *(section.model_dump(mode="json") for section in frames)]

@@ -85,6 +85,57 @@ point = ["0.5 m", 0, 0]
     assert abs(results["built_in.reaction_moment"][-1, 1]) == pytest.approx(force * arm, rel=1e-3)
 
 
+def test_what_pulls_at_plates_has_its_static_vectors(tmp_path):
+    """A strip that hangs on two ropes at bare points and bears a force between: the deflection of statics."""
+    results = _results(
+        tmp_path,
+        """
+[bodies.strip]
+type = "flexible"
+material = { young_modulus = "210 GPa", poisson_ratio = 0.0, density = "7850 kg/m^3" }
+frame = { motion = "free" }
+mesh = { size = "50 mm" }
+modes = { count = 2, damping_ratio = 0.1 }
+
+[bodies.strip.geometry]
+type = "panels"
+plates.strip = { thickness = "10 mm", corners = [[0, -0.05, 0], [2, -0.05, 0], [2, 0.05, 0], [0, 0.05, 0]] }
+
+[[forces]]
+name = "load"
+body = "strip"
+point = [1, 0, 0]
+force = [0, 0, -100]
+
+[[ropes]]
+name = "left"
+axial_stiffness = "1 GN"
+length = "5 m"
+path = [{ body = "ground", point = [0, 0, 5] }, { body = "strip", point = [0, 0, 0] }]
+
+[[ropes]]
+name = "right"
+axial_stiffness = "1 GN"
+length = "5 m"
+path = [{ body = "ground", point = [2, 0, 5] }, { body = "strip", point = [2, 0, 0] }]
+
+[[sensors]]
+name = "middle"
+body = "strip"
+point = [1, 0, 0]
+
+[[sensors]]
+name = "end"
+body = "strip"
+point = [0, 0, 0]
+""",
+    )
+    sag = (results["end.position"] - results["middle.position"])[-1, 2]
+    stiffness, weight = 210e9 * 0.1 * 0.01**3 / 12.0, 7850.0 * 0.1 * 0.01 * 9.81
+    wanted = (100.0 * 2.0**3 / 48.0 + 5.0 * weight * 2.0**4 / 384.0) / stiffness
+    assert sag == pytest.approx(wanted, rel=3e-3)
+
+
 @pytest.mark.parametrize("static", ["", 'static_groups = ["root", "tip"]'])
 def test_a_free_beam_built_into_the_ground_sags_as_a_cantilever(tmp_path, static):
     results = _results(
