@@ -54,7 +54,7 @@ ON_SUPPORTS = tuple((x, y) for x in SUPPORTS for y in (-0.2, 0.0, 0.2))
 def test_a_beam_lies_on_three_springs():
     """As its modes do on springs, and as a Timoshenko beam; the forces together are its weight.
 
-    On finer meshes a support touches more nodes than these, which share its stiffness alike and dent the mesh each: with
+    On finer meshes a support touches more nodes, which share its stiffness alike and dent the mesh each: with
     half the size forces are 0.6 % off the beam.
     """
     stiffness, reduced = 5e5, bar(6, ON_SUPPORTS)
