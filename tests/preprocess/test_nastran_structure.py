@@ -22,7 +22,6 @@ from heavylift.preprocess.structures.assemble import assemble_structure
 from heavylift.preprocess.structures.bar_shapes import shape_section
 from tests.preprocess.test_nastran_deck import free, large, small
 
-ROOT = Path(__file__).parents[2]
 GRID = "GRID,1,,0.,0.,0.\nGRID,2,,2.,0.,0.\nGRID,3,,2.,1.,0.\nGRID,4,,0.,1.,0.\n"
 STEEL = "MAT1,7,2.1+11,,0.3,7850.\n"
 PLATE = GRID + STEEL + "PSHELL,3,7,0.01,7,,7\nCQUAD4,9,3,1,2,3,4\n"
@@ -540,7 +539,7 @@ def test_solids_alone_are_no_structure(tmp_path):
 
 
 def test_the_reference_block():
-    folder = os.environ.get("HEAVYLIFT_BLOCK_MODELS", ROOT.parent / "shared" / "models" / "blocks")
+    folder = os.environ.get("HEAVYLIFT_BLOCK_MODELS", "")
     path = Path(folder) / "block.bdf"
     if not path.is_file():
         pytest.skip("no reference block here")

@@ -28,9 +28,7 @@ STEP = 0.25  # of its mesh [m]
 
 @pytest.fixture(scope="module")
 def block():
-    folder = os.environ.get(
-        "HEAVYLIFT_BLOCK_MODELS", Path(__file__).parents[3] / "shared" / "models" / "blocks"
-    )
+    folder = os.environ.get("HEAVYLIFT_BLOCK_MODELS", "")
     path = Path(folder) / "block.bdf"
     if not path.is_file():
         pytest.skip(f"no reference block at {path}; set HEAVYLIFT_BLOCK_MODELS")
