@@ -34,6 +34,8 @@ _LOGGER = logging.getLogger(__name__)
 _LINE2, _TRI3, _QUAD4 = 1, 2, 3  # gmsh's numbers of element types
 _FLAT = 1e-6  # of the largest extent: how far a corner may lie off the plane of a plate, a lug off its plate
 _ALONG = 1e-3  # sine of the angle between a face and the plane that a plate asks for
+_NO_MATCH = "Perfect Match failed"
+_BLOSSOM, _SIMPLE = 1, 0  # gmsh's numbers of ways to make quadrilaterals of triangles
 _QUARTER = 4  # elements around a quarter of an opening, at least
 QUAD_BYTES, QUAD_SECONDS = 12e3, 60e-6
 """Of a quadrilateral, meshed and assembled."""
@@ -233,6 +235,27 @@ def mesh_panels(
         raise InputError(f"{size!r}", source=name, key="size", expected="a positive length in m")
     _check_names(plates, stiffeners, lugs, name)
     everything: list[Any] = [*plates, *chain.from_iterable(_lug_plates(lug) for lug in lugs)]
+    parts = (everything, stiffeners, lugs)
+    try:
+        return _meshed(*parts, size, file, scale, name, recombination=_BLOSSOM)
+    except InputError as error:
+        if _NO_MATCH not in error.problem:
+            raise
+    # triangles that cannot all be matched in pairs, which leaves a session of gmsh unusable: match most of them
+    return _meshed(*parts, size, file, scale, name, recombination=_SIMPLE)
+
+
+def _meshed(
+    everything: Sequence[Any],
+    stiffeners: Sequence[Stiffener],
+    lugs: Sequence[Lug],
+    size: float,
+    file: str | Path | None,
+    scale: float,
+    name: str,
+    *,
+    recombination: int,
+) -> Structure:
     with gmsh_session(name) as gmsh:
         # millimetres inside gmsh, whose tolerances are absolute and made for them
         gmsh.option.setString("Geometry.OCCTargetUnit", "MM")
@@ -244,7 +267,7 @@ def mesh_panels(
         _refuse_loose_lines(gmsh, lines, line_parts, owner, stiffeners, everything, name)
         _refuse_lines_twice(gmsh, lines, line_parts, stiffeners, name)
         _estimate(gmsh, owner, size, name)
-        _generate(gmsh, owner, everything, size)
+        _generate(gmsh, owner, everything, size, recombination)
         return _collect(gmsh, owner, lines, line_parts, everything, stiffeners, lugs, name)
 
 
@@ -668,7 +691,9 @@ def _estimate(gmsh: Any, owner: dict[int, int], size: float, name: str) -> None:
     )
 
 
-def _generate(gmsh: Any, owner: dict[int, int], plates: Sequence[Any], size: float) -> None:
+def _generate(
+    gmsh: Any, owner: dict[int, int], plates: Sequence[Any], size: float, recombination: int
+) -> None:
     """Quadrilaterals on all faces, with rows and columns where they have four sides; finer on lugs."""
     option = gmsh.option.setNumber
     option("Mesh.MeshSizeMin", 0.0)
@@ -676,7 +701,7 @@ def _generate(gmsh: Any, owner: dict[int, int], plates: Sequence[Any], size: flo
     option("Mesh.MeshSizeFromPoints", 0)
     option("Mesh.ElementOrder", 1)
     option("Mesh.Algorithm", 8)  # frontal Delaunay for quadrilaterals
-    option("Mesh.RecombinationAlgorithm", 1)
+    option("Mesh.RecombinationAlgorithm", recombination)
     option("Mesh.RecombineAll", 1)
     sides = {tag: _four_sides(gmsh, tag) for tag in owner}
     sizes: dict[int, float] = {}
