@@ -7,7 +7,6 @@ quadrilaterals, the others with what gmsh recombines.
 
 from __future__ import annotations
 
-import logging
 from dataclasses import dataclass, replace
 from itertools import chain, product
 from pathlib import Path
@@ -30,7 +29,6 @@ if TYPE_CHECKING:
 
 __all__ = ["Lug", "Opening", "Plate", "Stiffener", "mesh_panels", "repeated"]
 
-_LOGGER = logging.getLogger(__name__)
 _LINE2, _TRI3, _QUAD4 = 1, 2, 3  # gmsh's numbers of element types
 _FLAT = 1e-6  # of the largest extent: how far a corner may lie off the plane of a plate, a lug off its plate
 _ALONG = 1e-3  # sine of the angle between a face and the plane that a plate asks for

@@ -261,6 +261,10 @@ def test_a_shear_modulus_beside_the_others_is_that_of_beams(tmp_path):
         ("CBAR,9,5,1,2\n", r"line 6: CBAR: element 9 has no orientation"),
         ("CBAR,9,5,1,2,1.,0.,0.\n", r"line 6: CBAR: element 9 has an orientation along the beam"),
         ("CBAR,9,5,1,2,0.,0.,1.,XXX\n", r"line 6: CBAR: OFFT = XXX"),
+        (
+            "CQUAD4,9,1,1,2,3,4,,,,+\n,,0.02\n",
+            r"line 6: 'CQUAD4' has 11 fields, and the last names a continuation",
+        ),
         ("CBAR,9,5,1,2,0.,0.,1.\n,7\n", r"line 6: CBAR: pin flag '7'"),
         ("CBAR,9,8,1,2,0.,0.,1.\n", r"PBAR 8: no section \(element 9\)"),
         (

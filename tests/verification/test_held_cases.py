@@ -156,3 +156,54 @@ at = [0, 0, 0]
     weight = 7850.0 * 0.02**2 * 9.81
     assert results["tip.position"][-1, 2] == pytest.approx(-weight * LENGTH**4 / 8.0 / STIFFNESS, rel=1e-3)
     assert abs(results["built_in.reaction_moment"][-1, 1]) == pytest.approx(0.5 * weight, rel=1e-3)
+
+
+def test_joints_that_hold_all_modes_are_told():
+    """Three modes of a cantilever whose tip a ball joint holds: they leave it no deformation."""
+    from heavylift.solver.bodies.floating_frame.held_chords import tell_few_modes
+    from heavylift.solver.joints.ball import Ball
+    from heavylift.solver.scene.connections import GROUND, JointFrame
+    from tests.solver.solid_beams import beam, cantilever
+
+    for count, words in ((3, ["leave it no deformation"]), (8, [])):
+        body = beam(cantilever(modes=count))
+        tip = body.reduced.nodes[body.reduced.nodes[:, 0].argmax()]
+        joint = Ball(
+            name="prop", body_a=GROUND, body_b=body.name, frame_a=JointFrame(tip), frame_b=JointFrame(tip)
+        )
+        found = tell_few_modes([body], [joint])
+        assert len(found) == len(words)
+        assert all(word in one for word, one in zip(words, found, strict=True))
+
+
+def test_a_pressure_on_two_plates_does_not_load_what_is_between_them(tmp_path):
+    """Webs one element high between two decks of 2 x 1 m, and 1 kPa along y on both decks."""
+    (tmp_path / "case.toml").write_text(
+        """
+title = "Two decks and webs between them"
+
+[bodies.box]
+type = "flexible"
+material = { young_modulus = "210 GPa", poisson_ratio = 0.3, density = "7850 kg/m^3" }
+frame = { motion = "fixed" }
+mesh = { size = "0.5 m" }
+modes = { count = 3, clamp = ["root"] }
+static = [{ name = "load", loads = [{ on = ["deck", "low"], traction = [0, "1 kPa", 0] }] }]
+
+[bodies.box.geometry]
+type = "panels"
+groups = { root = { plane = "x", at = 0 } }
+
+[bodies.box.geometry.plates]
+deck = { thickness = "10 mm", corners = [[0, 0, 0.5], [2, 0, 0.5], [2, 1, 0.5], [0, 1, 0.5]] }
+low = { thickness = "10 mm", corners = [[0, 0, 0], [2, 0, 0], [2, 1, 0], [0, 1, 0]] }
+webs = { thickness = "10 mm", corners = [[0, 0, 0], [2, 0, 0], [2, 0, 0.5], [0, 0, 0.5]], step = [0, 1, 0], count = 2 }
+"""
+    )
+    case = load_case(tmp_path)
+    assert run_case(case, stages=("mesh", "modes")).outcome is Outcome.COMPLETED
+    from heavylift.pipeline.results.model_io import read_states
+    from heavylift.pipeline.results.storage import OutputFolder
+
+    state = read_states(OutputFolder(case.output_folder).reduced("box"))["load"]
+    assert state.reaction[1] == pytest.approx(-1e3 * 2 * 2.0 * 1.0, rel=1e-9)
