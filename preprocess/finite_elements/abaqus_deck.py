@@ -254,6 +254,13 @@ class Scope:
     point_nodes: dict[int, str] = field(default_factory=dict)  # of masses: a node, or one of an instance
 
 
+Named = tuple[Scope, int | None, str]
+"""A set as another one names it: its scope, the instance there, its name."""
+
+SetKey = tuple[int, int | None, str, bool]
+"""By which it is known."""
+
+
 @dataclass
 class _Instance:
     """A part where it stands."""
@@ -816,7 +823,8 @@ class Assembler:
         self.owners: dict[int, tuple[int, int]] = {}
         self.material_names: dict[str, int] = {}
         self.frame_materials: list[DeckMaterial] = []
-        self.known_sets: dict[tuple[int, int | None, str, bool], NDArray[np.int64]] = {}
+        self.known_sets: dict[SetKey, NDArray[np.int64]] = {}
+        self.listed_sets: dict[SetKey, tuple[NDArray[np.int64], list[Named]]] = {}
 
     def deck(self, path: Path) -> Deck:
         self._number_nodes(path)
@@ -1072,38 +1080,63 @@ class Assembler:
     def _resolve(self, scope: Scope, place: int | None, name: str, *, nodes: bool) -> NDArray[np.int64]:
         """Members of a set as rows; what does not exist is passed over, as ranges may have holes.
 
-        A set has the members of all that it names, however often and in whatever circle.
+        A set has the members of all that it names, however often and in whatever circle. Sets that others name come
+        first, so that each set meets members that are known: a chain of sets takes as long as it has sets.
         """
-        wanted = (id(scope), place, name.upper(), nodes)
-        if wanted in self.known_sets:
-            return self.known_sets[wanted]
-        found: list[NDArray[np.int64]] = []
-        waiting, seen = [(scope, place, name)], {wanted}
+        wanted: Named = (scope, place, name)
+        waiting, entered = [wanted], set()
         while waiting:
-            scope, place, name = waiting.pop()
-            known = self.known_sets.get((id(scope), place, name.upper(), nodes))
+            one = waiting[-1]
+            key = _key(one, nodes)
+            if key not in self.known_sets and key not in entered:
+                entered.add(key)
+                waiting += [
+                    other for other in self._listed(one, nodes)[1] if _key(other, nodes) not in entered
+                ]
+                continue
+            waiting.pop()
+            if key not in self.known_sets:
+                self.known_sets[key] = self._closure(one, nodes)
+        return self.known_sets[_key(wanted, nodes)]
+
+    def _closure(self, wanted: Named, nodes: bool) -> NDArray[np.int64]:
+        """Members of a set and of all that it names, as far as no set on the way has its members known."""
+        found: list[NDArray[np.int64]] = []
+        waiting, seen = [wanted], {_key(wanted, nodes)}
+        while waiting:
+            one = waiting.pop()
+            known = self.known_sets.get(_key(one, nodes))
             if known is not None:
                 found.append(known)
                 continue
+            rows, named = self._listed(one, nodes)
+            found.append(rows)
+            for other in named:
+                if _key(other, nodes) not in seen:
+                    seen.add(_key(other, nodes))
+                    waiting.append(other)
+        return _unique(found)
+
+    def _listed(self, wanted: Named, nodes: bool) -> tuple[NDArray[np.int64], list[Named]]:
+        """Rows that a set lists itself, and the sets that it names, each once."""
+        key = _key(wanted, nodes)
+        if key not in self.listed_sets:
+            scope, place, name = wanted
             pieces = (scope.node_sets if nodes else scope.element_sets).get(name.upper())
-            named: list[tuple[Scope, int | None, str]] = []
+            rows: list[NDArray[np.int64]] = []
+            named: dict[SetKey, Named] = {}
             if pieces is None:
                 other = self._elsewhere(name, place)
                 if other is None:
                     self.reader.unknown_sets[name] = None
                 else:
-                    named.append(other)
+                    named[_key(other, nodes)] = other
             for piece in pieces or ():
-                rows, names = self._members(scope, place, piece, nodes=nodes)
-                found.append(rows)
-                named += names
-            for one in named:
-                key = (id(one[0]), one[1], one[2].upper(), nodes)
-                if key not in seen:
-                    seen.add(key)
-                    waiting.append(one)
-        self.known_sets[wanted] = _unique(found)
-        return self.known_sets[wanted]
+                of_piece, names = self._members(scope, place, piece, nodes=nodes)
+                rows.append(of_piece)
+                named |= {_key(one, nodes): one for one in names}
+            self.listed_sets[key] = _unique(rows), list(named.values())
+        return self.listed_sets[key]
 
     def _members(
         self, scope: Scope, place: int | None, piece: _Set, *, nodes: bool
@@ -1232,6 +1265,11 @@ def _short_names(sets: dict[str, NDArray[np.int64]]) -> None:
     for tail, names in tails.items():
         if len(names) == 1 and tail not in sets:
             sets[tail] = sets[names[0]]
+
+
+def _key(named: Named, nodes: bool) -> SetKey:
+    scope, place, name = named
+    return id(scope), place, name.upper(), nodes
 
 
 def _unique(arrays: list[NDArray[np.int64]]) -> NDArray[np.int64]:

@@ -96,7 +96,7 @@ def test_sets_of_sets_have_each_member_once(tmp_path):
     path = written(tmp_path, "inp", {"a": cube("inp") + sets + chain + circle})
     begin = time.process_time()
     found = read_deck(path).node_sets
-    assert time.process_time() - begin < 10.0
+    assert time.process_time() - begin < 2.0
     assert {name: found[name].tolist() for name in ("S40", "C0", "X", "Y")} == {
         "S40": [0, 1],
         "C0": [2],
