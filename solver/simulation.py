@@ -280,6 +280,8 @@ class Simulation:
             self._fit_joints()
         if self.integrator == "accurate":
             layout.systems[-1].take_start(layout.bodies)
+            if layout.systems[-1].loops:
+                self._choose_rows()
         if self._touches:
             from heavylift.solver.contact.check_start import start_contacts
 
@@ -357,6 +359,16 @@ class Simulation:
             self.diagnosis = diagnose(rows)
             if self._stiff and not self.diagnosis.redundant:
                 self._straighten()
+
+    def _choose_rows(self) -> None:
+        """Leave rows of loops out that follow from others, if a choice is known."""
+        from heavylift.solver.start.independent_rows import independent_rows
+        from heavylift.solver.start.rows import StartRows
+
+        rows = StartRows(self._layout)
+        kept = independent_rows(rows)
+        if kept is not None:
+            self._layout.systems[-1].keep_rows(rows.places, kept)
 
     def _check_strains(self) -> None:
         """Refuse ropes that are too short for where the scene has come to rest."""
