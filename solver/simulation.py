@@ -24,7 +24,7 @@ from heavylift.solver.integrate.loop import start_scene, write_record
 from heavylift.solver.integrate.resolution import period_words, prepare_counts, step_warning
 from heavylift.solver.integrate.run_watch import STATE, RunWatch
 from heavylift.solver.interface import Systems
-from heavylift.solver.layout import Channel, pack_scene
+from heavylift.solver.layout import Channel, Layout, pack_scene
 from heavylift.solver.recording import check_written, unwritten
 from heavylift.solver.scene.contacts import RigidLaw
 from heavylift.solver.scene.scene import Scene, Start
@@ -193,9 +193,7 @@ class Simulation:
         module = importlib.import_module(INTEGRATORS[integrator])
         self._run = module.run
         if integrator == "accurate":
-            layout = self._layout
-            own = module.make_integration(layout.bodies, layout.joints, layout.systems, layout.work)
-            self._layout = replace(layout, systems=Systems((*layout.systems, own), layout.systems.groups))
+            self._layout = _with_integration(scene, self._layout, module)
         self.channels: tuple[Channel, ...] = self._layout.channels
         self.column_count: int = self._layout.column_count
         self.diagnosis: Diagnosis | None = None
@@ -279,7 +277,7 @@ class Simulation:
         if layout.joints or self._start_mode in AT_REST:
             self._fit_joints()
         if self.integrator == "accurate":
-            layout.systems[-1].take_start(layout.bodies)
+            layout.systems[-1].take_start(layout.bodies, layout.systems)
         if self._touches:
             from heavylift.solver.contact.check_start import start_contacts
 
@@ -744,6 +742,17 @@ class Simulation:
 def _check_positive(key: str, value: float, expected: str) -> None:
     if not (value > 0.0 and math.isfinite(value)):
         raise InputError(f"{key} {value!r}", source="simulation", key=key, expected=expected)
+
+
+def _with_integration(scene: Scene, layout: Layout, module: Any) -> Layout:
+    """The layout with what the accurate integrator carries among its systems, and with its trees before."""
+    from heavylift.solver.integrate.trees.forest import make_forest
+
+    forest = make_forest(scene, layout)
+    trees = () if forest is None else (forest,)
+    sizes = None if forest is None else (forest.velocities, forest.coordinates)
+    own = module.make_integration(layout.bodies, layout.joints, layout.systems, layout.work, sizes)
+    return replace(layout, systems=Systems((*layout.systems, *trees, own), layout.systems.groups))
 
 
 def _relax(rows: Any) -> Any:
