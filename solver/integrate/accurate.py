@@ -397,11 +397,12 @@ def _sample(
         )
     if progress.trees:
         write_tree_velocities(rows, values, END * size, END_RATE * size)
-        store_trees(rows, bodies, time, values, END * size, work)
     else:
         write_velocities(integration.coordinates, values, END * size, END_RATE * size)
         store_state(bodies, time, values, END * size, work)
     _evaluate(bodies, forces, joints, rows, work, integration, END, END_RATE, time, True)
+    if progress.trees:
+        store_trees(rows, bodies, time, values, END * size, work)
 
 
 @entry  # eleven parameters: the scene is five; which steps, how exact and where records go are six

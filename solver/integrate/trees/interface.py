@@ -64,4 +64,4 @@ def measure_tree_error(kinds: Systems, values: Floats1, fifth: int, third: int, 
 def store_trees(
     kinds: Systems, bodies: Bodies, time: float, values: Floats1, at: int, work: Workspace
 ) -> None:
-    """Trees: carried state of the bodies from the state vector at `at`."""
+    """Trees: carried state of the bodies from the state vector at `at`, the last one that was evaluated."""

@@ -302,8 +302,7 @@ def _error_outward(
 def store_forest(
     forest: Forest, bodies: Bodies, time: float, values: Floats1, at: int, work: Workspace
 ) -> None:
-    """Bodies as their kind reads them."""
-    pose_outward(forest, values, at)
+    """Bodies as their kind reads them; their rotations are those of the last evaluation."""
     see_bodies(forest, values, at)
     store_state(bodies, time, forest.poses, 0, work)
 
