@@ -145,7 +145,7 @@ def _project(
     size = values.shape[0] // VECTORS
     at = END * size
     if integration.progress.trees:
-        close_trees(rows, integration, at)
+        close_trees(rows, bodies, integration, at, work, time)
         return
     begin_stage(bodies, time, values, at, work)
     for i in range(work.velocity.shape[0]):

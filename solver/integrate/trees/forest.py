@@ -26,10 +26,10 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.arrays import Arrays, Floats1
 from heavylift.numerics.jit import in_python
-from heavylift.numerics.records import Quaternion, Record, Records, Vector, Vector6, records
+from heavylift.numerics.records import Quaternion, Record, Records, Vector, Vector6, filled, records
 from heavylift.numerics.rotation import quaternion_from_matrix, quaternion_product, rotation_matrix
 from heavylift.solver.drive import DRIVEN, FREE
-from heavylift.solver.interface import FORCES, Bodies, begin_stage
+from heavylift.solver.interface import FORCES, Bodies, Joints, begin_stage
 from heavylift.solver.rows.structure import RowArrays
 from heavylift.solver.scene.bodies import GROUND
 
@@ -71,6 +71,9 @@ KNOWN = {
 PLACES = (1, 1, 0, 4, 7, 7)
 SPEEDS = (1, 1, 0, 3, 6, 6)
 """Coordinates and velocities of the joints."""
+
+MOST_ROWS = 30
+"""Of joints that are not in trees."""
 
 SERVED = True
 """Whether trees are looked for; tests compare with rows."""
@@ -126,6 +129,8 @@ class TreeBody(Record, whole_lines=True):
         Accelerations of the body and its joint point.
     error5, error3
         Errors of the velocity of the joint point and of the spin.
+    row_moment, row_force, row_drive, row_alpha, row_a
+        As `moment`, `force`, `drive`, `alpha` and `a`, of a single row.
     """
 
     parent: int
@@ -174,10 +179,43 @@ class TreeBody(Record, whole_lines=True):
     velocity: Vector
     error5: Vector6
     error3: Vector6
+    row_moment: Vector
+    row_force: Vector
+    row_drive: float
+    row_alpha: Vector
+    row_a: Vector
+
+
+class LoopRow(Record):
+    """A row that no joint of a tree replaces.
+
+    Attributes
+    ----------
+    block, row
+        Where it is in the system.
+    a, b
+        Its bodies in the forest, or `GROUNDED`.
+    first, last
+        Range of the bodies in their trees.
+    kept
+        Whether it does not follow from others.
+    target, pull
+        What it wants, and the force that gives it.
+    """
+
+    block: int
+    row: int
+    a: int
+    b: int
+    first: int
+    last: int
+    kept: int
+    target: float
+    pull: float
 
 
 class Forest(Arrays):
-    """All trees of a scene, and the bodies on the ground beside them.
+    """All trees of a scene, and the rows that hold them together.
 
     Attributes
     ----------
@@ -193,7 +231,15 @@ class Forest(Arrays):
         Whether forces act on markers.
     rows
         Those of the joints, which the trees give their reactions.
+    joints
+        Those that are not in trees.
+    loops
+        Their rows.
+    answers
+        Accelerations of all coordinates by each of these rows, then the matrix of the rows; flat.
     """
+
+    carried_fields: ClassVar[tuple[str, ...]] = ("loops",)
 
     kernel_modules: ClassVar[tuple[str, ...]] = ("heavylift.solver.integrate.trees.stage",)
 
@@ -204,6 +250,9 @@ class Forest(Arrays):
     spun: bool
     loaded: bool
     rows: RowArrays
+    joints: Joints
+    loops: Records[LoopRow]
+    answers: Floats1
 
     def write_tree_state(self, kinds: Bodies, values: Floats1) -> None:
         """Coordinates and velocities of the carried state of bodies into a state vector."""
@@ -271,7 +320,7 @@ def _clear_pivots(system: Any) -> None:
 
 
 def make_forest(scene: Scene, layout: Layout) -> Forest | None:
-    """Trees of the bodies of a scene; None if joints do not form trees, or something needs rows.
+    """Trees of the bodies of a scene; None without any, or where something needs all rows.
 
     Parameters
     ----------
@@ -285,8 +334,6 @@ def make_forest(scene: Scene, layout: Layout) -> Forest | None:
     kind = layout.bodies[0]
     if not begin_stage.serves(type(kind)) or kind.NODAL or (kind.table["motion"] == DRIVEN).any():
         return None
-    if not all(_carries(joint) for joint in joints):
-        return None
     return _plant(joints, layout, kind)
 
 
@@ -298,54 +345,83 @@ def _carries(joint: Joint) -> bool:
 
 
 def _plant(joints: Sequence[Joint], layout: Layout, kind: Any) -> Forest | None:
-    """Grow trees from the ground, then from the heaviest body of what is left; None if a joint closes a loop."""
+    """Grow trees from the ground, then from the heaviest body of what is left, each as low as it can be.
+
+    The rows of all other joints are solved for together, densely: of more than some, those of all joints are cheaper.
+    """
     names = {name: number for number, name in enumerate(layout.body_names)} | {GROUND: GROUNDED}
     block = {name: number for number, name in enumerate(layout.block_names)}
     free = kind.table["motion"] == FREE
     at: dict[int, list[tuple[Joint, int]]] = {}
-    for joint in joints:
+    for joint in filter(_carries, joints):
         ends = [names[name] for name in (joint.body_a, joint.body_b)]
         ends = [end if end >= 0 and free[end] else GROUNDED for end in ends]
         for end, other in (ends, ends[::-1]):
             at.setdefault(end, []).append((joint, other))
-    frame = kind.frame
-    axes = [rotation_matrix(q) for q in frame["axes"]]
-    grown: dict[int, int] = {GROUNDED: GROUNDED}
-    bodies: list[Any] = []
-    used: set[str] = set()
-    weight = np.argsort(-frame["mass"], kind="stable").tolist()
+    axes = [rotation_matrix(q) for q in kind.frame["axes"]]
+    found: dict[int, tuple[int, int, Joint | None]] = {GROUNDED: (GROUNDED, GROUNDED, None)}
+    weight = np.argsort(-kind.frame["mass"], kind="stable").tolist()
     for root in (GROUNDED, *(number for number in weight if free[number])):
-        if root in grown and root != GROUNDED:
+        if root not in found:
+            found[root] = (root, GROUNDED, None)
+        elif root != GROUNDED:
             continue
-        if root != GROUNDED:
-            grown[root] = len(bodies)
-            bodies.append(_body(kind, root, FLOATING))
-        rest = [root]
-        while rest:
-            parent = rest.pop()
+        for parent in (layer := [root]):
             for joint, child in at.get(parent, ()):
-                if joint.name in used:
-                    continue
-                used.add(joint.name)
-                if child in grown:
-                    return None
-                body = _hang(
-                    joint, kind, axes, names, parent, child, bodies[grown[parent]] if parent >= 0 else None
-                )
-                body.parent = grown[parent]
+                if child not in found:
+                    tree = child if parent == GROUNDED else found[parent][0]
+                    found[child] = (tree, parent, joint)
+                    layer.append(child)
+    used = {joint.name for _, _, joint in found.values() if joint is not None}
+    rest = {block[joint.name] for joint in joints if joint.name not in used}
+    system = layout.systems[0]
+    count = sum(int(np.count_nonzero(system.rows[one].scale)) for one in rest)
+    if not used or count > MOST_ROWS or (rest and any(hasattr(one, "profiles") for one in layout.joints)):
+        return None
+    of_tree: dict[int, list[int]] = {}
+    for number, (tree, _, _) in found.items():
+        if number != GROUNDED:
+            of_tree.setdefault(tree, []).append(number)
+    place_of: dict[int, int] = {GROUNDED: GROUNDED}
+    range_of: dict[int, tuple[int, int]] = {}
+    bodies: list[Any] = []
+    for numbers in of_tree.values():
+        ends = len(bodies), len(bodies) + len(numbers)
+        for number in numbers:
+            _, parent, joint = found[number]
+            if joint is None:
+                body = _body(kind, number, FLOATING)
+            else:
+                above = bodies[place_of[parent]] if parent >= 0 else None
+                body = _hang(joint, kind, axes, names, parent, number, above)
                 body.block = block[joint.name]
-                grown[child] = len(bodies)
-                bodies.append(body)
-                rest.append(child)
+            body.parent = place_of[parent]
+            place_of[number], range_of[number] = len(bodies), ends
+            bodies.append(body)
     place = speed = 0
     for body in bodies:
         body.place, body.speed = place, speed
         place, speed = place + PLACES[body.joint], speed + SPEEDS[body.joint]
-    velocities = len(layout.work.velocity)
-    found, end = kind.place_coordinates(velocities)
+    coordinates, end = kind.place_coordinates(len(layout.work.velocity))
     for body in bodies:
-        body.dof, body.pose = found[body.number]["velocity"], found[body.number]["place"]
+        body.dof, body.pose = coordinates[body.number]["velocity"], coordinates[body.number]["place"]
     made = records(TreeBody, bodies)
+    loops = []
+    for joint in joints:
+        if joint.name in used:
+            continue
+        ends = [names[name] for name in (joint.body_a, joint.body_b)]
+        ends = [end if end >= 0 and free[end] else GROUNDED for end in ends]
+        ranges = [range_of[end] for end in ends if end != GROUNDED]
+        fields = {
+            "block": block[joint.name],
+            "a": place_of[ends[0]],
+            "b": place_of[ends[1]],
+            "first": min(first for first, _ in ranges),
+            "last": max(last for _, last in ranges),
+        }
+        rows = np.flatnonzero(system.rows[block[joint.name]].scale).tolist()
+        loops += [filled(LoopRow, **fields, row=row, kept=1, target=0.0, pull=0.0) for row in rows]
     return Forest(
         bodies=made,
         poses=np.zeros(end),
@@ -353,7 +429,34 @@ def _plant(joints: Sequence[Joint], layout: Layout, kind: Any) -> Forest | None:
         coordinates=place,
         spun=bool((made["joint"] >= BALL).any()),
         loaded=bool((kind.markers["level"] == FORCES).any()),
-        rows=layout.systems[0],
+        rows=system,
+        joints=Joints(
+            [one for one in (_of_blocks(kind, rest) for kind in layout.joints) if one], layout.joints.groups
+        ),
+        loops=records(LoopRow, loops),
+        answers=np.zeros(len(loops) * (speed + len(loops) + 1)),
+    )
+
+
+def _of_blocks(kind: Any, rest: set[int]) -> Any:
+    """A kind of joints with those of some blocks alone; None without any. What only records is left as it is."""
+    changes: dict[str, Any] = {}
+    kept = False
+    for name in kind._fields:
+        value = getattr(kind, name)
+        if isinstance(value, Arrays):
+            part = _of_blocks(value, rest)
+            kept |= part is not None
+            changes[name] = part
+        elif isinstance(value, np.ndarray) and "block" in (value.dtype.names or ()):
+            wanted = np.isin(value["block"], list(rest))
+            kept |= bool(wanted.any())
+            if not wanted.all():
+                changes[name] = records(value.dtype.type, list(value[wanted]))
+    if not kept:
+        return None
+    return kind._replace(
+        **{name: getattr(kind, name) if value is None else value for name, value in changes.items()}
     )
 
 

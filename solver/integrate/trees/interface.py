@@ -46,8 +46,10 @@ def write_tree_velocities(kinds: Systems, values: Floats1, at: int, rate: int) -
 
 
 @optional("accurate")
-def close_trees(kinds: Systems, integration: Integration, at: int) -> None:
-    """Trees: quaternions of the state vector at `at` get unit length."""
+def close_trees(
+    kinds: Systems, bodies: Bodies, integration: Integration, at: int, work: Workspace, time: float
+) -> None:
+    """Trees: loops of the state vector at `at` are closed, then velocities; quaternions get unit length."""
 
 
 @optional("accurate")

@@ -19,7 +19,7 @@ from heavylift.numerics.vectors import (
     vector,
     vector_at,
 )
-from heavylift.solver.integrate.integration import QUADRATURES, VECTORS, Integration
+from heavylift.solver.integrate.integration import END_RATE, QUADRATURES, VECTORS, Integration
 from heavylift.solver.integrate.state_vector import squared_error
 from heavylift.solver.integrate.trees.forest import (
     BALL,
@@ -40,6 +40,15 @@ from heavylift.solver.integrate.trees.interface import (
     write_second_tree_rates,
     write_tree_velocities,
 )
+from heavylift.solver.integrate.trees.loops import (
+    add_answers,
+    answer_rows,
+    choose_rows,
+    move_coordinates,
+    row_acceleration,
+    row_rate,
+    solve_loops,
+)
 from heavylift.solver.integrate.trees.sweeps import (
     ZERO,
     accelerate,
@@ -59,12 +68,21 @@ from heavylift.solver.interface import (
     Workspace,
     add_forces,
     begin_stage,
+    fill_bias,
+    fill_rows,
     free_acceleration,
     store_state,
 )
 from heavylift.solver.kinds import implement
+from heavylift.solver.rows.accurate import constrain
 
 __all__: list[str] = []
+
+CLOSINGS = 3
+"""Of positions, at most: of the second on, rows are chosen anew."""
+
+OPEN = 1e-7
+"""Of a row that was left out, relative to a gap with which a run has failed, from which on it is needed."""
 
 
 @implement(evaluate_trees, Forest)
@@ -84,8 +102,9 @@ def evaluate_forest(
 ) -> None:
     """Bodies are looked at only if forces or rows need them; loads come as what they would accelerate a body alone."""
     values, sums, loaded = integration.vectors, work.sums, forest.loaded
+    looped = forest.loops.shape[0] > 0
     pose_outward(forest, values, at)
-    if loaded:
+    if loaded or looped:
         see_bodies(forest, values, at)
         begin_stage(bodies, time, forest.poses, 0, work)
     sums.gravity[0] = sums.gravity[1] = sums.gravity[2] = 0.0
@@ -102,10 +121,16 @@ def evaluate_forest(
         gravity = ZERO
     gather_inward(forest)
     accelerate(forest, gravity, values, out)
+    if looped:
+        _hold_loops(forest, gravity, values, out, work, time)
     _write_rates(forest, values, at, out)
     end = out + values.shape[0] // VECTORS - QUADRATURES
     values[end], values[end + 1], values[end + 2] = sums.external_work, sums.drive_work, sums.dissipated
-    if with_reactions:
+    if with_reactions and looped:  # rows that follow from others share
+        if not loaded:
+            free_acceleration(bodies, forest.poses, 0, work)
+        constrain(systems, bodies, joints, integration, at, True, False, work, time)
+    elif with_reactions:
         _find_reactions(forest, values, at)
 
 
@@ -198,6 +223,82 @@ def write_forest_velocities(forest: Forest, values: Floats1, at: int, rate: int)
                 p[k] = q[k]
 
 
+@kernel(internal=True)
+def _hold_loops(
+    forest: Forest, gravity: Vector, values: Floats1, out: int, work: Workspace, time: float
+) -> None:
+    """Accelerations that keep the rows which no joint of a tree replaces."""
+    fill_rows(forest.joints, False, work, forest.rows)
+    fill_bias(forest.joints, time, work, forest.rows)
+    answer_rows(forest, False)
+    for i in range(forest.loops.shape[0]):
+        row = forest.loops[i]
+        target = forest.rows.rows[row.block].target
+        row.target = (
+            target[row.row]
+            - row_acceleration(forest, row, 0, row.a, gravity)
+            - row_acceleration(forest, row, 1, row.b, gravity)
+        )
+    solve_loops(forest)
+    add_answers(forest, values, out)
+
+
+@kernel(inline=True, internal=True)
+def _look_at_loops(
+    forest: Forest, bodies: Bodies, integration: Integration, at: int, work: Workspace, time: float
+) -> None:
+    """Rows and residuals of a state vector."""
+    values = integration.vectors
+    pose_outward(forest, values, at)
+    see_bodies(forest, values, at)
+    begin_stage(bodies, time, forest.poses, 0, work)
+    fill_rows(forest.joints, True, work, forest.rows)
+
+
+@kernel(internal=True)
+def _largest_gap(forest: Forest) -> float:
+    """Of the rows that are left out, relative to one with which a run has failed."""
+    gap = 0.0
+    for i in range(forest.loops.shape[0]):
+        row = forest.loops[i]
+        if not row.kept:
+            of_block = forest.rows.rows[row.block]
+            gap = max(gap, abs(of_block.rigid[row.row] * of_block.residual[row.row]))
+    return gap
+
+
+@kernel(internal=True)
+def _close_loops(
+    forest: Forest, bodies: Bodies, integration: Integration, at: int, work: Workspace, time: float
+) -> None:
+    """A Newton step of the positions, in which rows are chosen anew if one that was left out opens; velocities."""
+    values, rate = integration.vectors, END_RATE * (integration.vectors.shape[0] // VECTORS)
+    _look_at_loops(forest, bodies, integration, at, work, time)
+    for attempt in range(CLOSINGS):
+        gather_inward(forest)
+        if attempt > 0 or not integration.progress.started:
+            choose_rows(forest)
+        answer_rows(forest, False)
+        for i in range(forest.loops.shape[0]):
+            row = forest.loops[i]
+            row.target = -forest.rows.rows[row.block].residual[row.row]
+        solve_loops(forest)
+        for i in range(forest.velocities):
+            values[rate + i] = 0.0
+        add_answers(forest, values, rate)
+        move_coordinates(forest, values, at, values, rate)
+        _look_at_loops(forest, bodies, integration, at, work, time)
+        if integration.progress.started and _largest_gap(forest) < OPEN:
+            break
+    gather_inward(forest)
+    answer_rows(forest, False)
+    for i in range(forest.loops.shape[0]):
+        row = forest.loops[i]
+        row.target = -row_rate(forest, row)
+    solve_loops(forest)
+    add_answers(forest, values, at)
+
+
 @kernel(inline=True, internal=True)
 def put_direction(values: Floats1, place: int, speed: int) -> None:
     """Direction of a distance at unit length, and its rate across it."""
@@ -208,8 +309,12 @@ def put_direction(values: Floats1, place: int, speed: int) -> None:
 
 @implement(close_trees, Forest)
 @kernel(internal=True)
-def close_forest(forest: Forest, integration: Integration, at: int) -> None:
-    """Nothing else opens."""
+def close_forest(
+    forest: Forest, bodies: Bodies, integration: Integration, at: int, work: Workspace, time: float
+) -> None:
+    """Joints of trees never open."""
+    if forest.loops.shape[0] > 0:
+        _close_loops(forest, bodies, integration, at, work, time)
     if not forest.spun:
         return
     values = integration.vectors
@@ -219,8 +324,8 @@ def close_forest(forest: Forest, integration: Integration, at: int) -> None:
             place = at + forest.velocities + one.place
             if one.joint == DISTANCE:
                 put_direction(values, place, at + one.speed)
-            q = own_quaternion(values, place + (0 if one.joint == BALL else 3))
             place += 0 if one.joint == BALL else 3
+            q = own_quaternion(values, place)
             values[place], values[place + 1], values[place + 2], values[place + 3] = q
 
 
