@@ -386,17 +386,17 @@ def _plant(joints: Sequence[Joint], layout: Layout, kind: Any) -> Forest | None:
     range_of: dict[int, tuple[int, int]] = {}
     bodies: list[Any] = []
     for numbers in of_tree.values():
-        ends = len(bodies), len(bodies) + len(numbers)
+        ends_of_tree = len(bodies), len(bodies) + len(numbers)
         for number in numbers:
-            _, parent, joint = found[number]
-            if joint is None:
+            _, parent, carrying = found[number]
+            if carrying is None:
                 body = _body(kind, number, FLOATING)
             else:
                 above = bodies[place_of[parent]] if parent >= 0 else None
-                body = _hang(joint, kind, axes, names, parent, number, above)
-                body.block = block[joint.name]
+                body = _hang(carrying, kind, axes, names, parent, number, above)
+                body.block = block[carrying.name]
             body.parent = place_of[parent]
-            place_of[number], range_of[number] = len(bodies), ends
+            place_of[number], range_of[number] = len(bodies), ends_of_tree
             bodies.append(body)
     place = speed = 0
     for body in bodies:
