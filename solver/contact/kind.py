@@ -44,6 +44,7 @@ __all__ = [
     "Features",
     "Reduced",
     "Scratch",
+    "StoodPair",
     "Tally",
 ]
 
@@ -477,6 +478,26 @@ class Tally(Record):
     deepest: float
 
 
+class StoodPair(Record):
+    """Where a pair of surfaces has stood when it was searched as a whole, see `triangles.standing`; carried.
+
+    Attributes
+    ----------
+    pose, far
+        Its pose, and how far that search reached [m].
+    mark
+        Tells the contacts that it had; 0 if it did not stand, or the search has changed them.
+    still
+        Steps since then, in a row, in which it has moved by no more than `STILL` and kept its contacts: 0 while it
+        moves. This says that a pair has not moved; its bodies may move together.
+    """
+
+    pose: RelativePose
+    far: float
+    mark: int
+    still: int
+
+
 class Features(Table):
     """What kinds of contact a scene has."""
 
@@ -572,6 +593,8 @@ class ContactRows(RowArrays):
     placed
         Of those pairs, carried: poses of the surfaces at the end of the last step; sums over contacts that are gone;
         number of contacts. Shape (n, 12).
+    stood
+        Where those pairs have stood still.
     carried, saved
         All that a step changes in the scene, as one array, and its copy.
     """
@@ -590,6 +613,7 @@ class ContactRows(RowArrays):
         "rows",
         "state",
         "placed",
+        "stood",
     )
 
     features: Features
@@ -624,5 +648,6 @@ class ContactRows(RowArrays):
     facets: FacetSurfaces
     modal: ModalSurfaces
     placed: Floats2
+    stood: Records[StoodPair]
     carried: Floats1
     saved: Floats1

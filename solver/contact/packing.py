@@ -37,6 +37,7 @@ from heavylift.solver.contact.kind import (
     Features,
     Reduced,
     Scratch,
+    StoodPair,
     Tally,
 )
 from heavylift.solver.contact.laws.packing import force_law, put_law
@@ -304,6 +305,7 @@ def _kind(
         facets=collided.facets,
         modal=collided.modal,
         placed=collided.placed,
+        stood=records(StoodPair, sum(len(meshes.pairs) for meshes in collided.meshes)),
         carried=np.zeros(0),
         saved=np.zeros(0),
     )
