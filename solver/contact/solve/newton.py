@@ -51,6 +51,9 @@ GROWTHS = (3.0, 10.0, 2.0, 2.0, 5.0, 0.0, 4.0, 30.0, 2.0)
 Each of them misses a few of 1000 problems with wedged contacts, but not the same ones.
 """
 
+SWEEP_WORK = 4e8
+"""Products of all sweeps: a few tenths of a second."""
+
 FROM_SWEEPS = 5
 """Attempt that is made of sweeps over the contacts, and after which attempts begin with what those have left."""
 
@@ -98,7 +101,7 @@ def _solve(problem: Problem) -> tuple[int, int, float]:
         if attempt == FROM_SWEEPS or total >= most:
             swept = True
             fill_rows(problem, work, 0.0, work.begin)
-            found, iterations, residual = sweep_contacts(problem, work, p, MOST_WORK)
+            found, iterations, residual = sweep_contacts(problem, work, p, SWEEP_WORK)
             total += iterations
             for i in range(n):
                 work.begin[i] = p[i]
