@@ -466,8 +466,9 @@ class Tally(Record):
     ----------
     exhausted_steps
         Whole steps whose rest was taken without impacts of its own.
-    rough, roughest
-        Solutions that were accepted although the solver found none of its accuracy, and their largest residual.
+    rough, roughest, roughest_time
+        Solutions that were accepted although the solver found none of its accuracy, their largest residual, and the end
+        of its step [s].
     deepest
         Largest depth of a closed contact without compliance at the end of a step, over its size.
     """
@@ -475,6 +476,7 @@ class Tally(Record):
     exhausted_steps: int
     rough: int
     roughest: float
+    roughest_time: float
     deepest: float
 
 
