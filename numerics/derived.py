@@ -72,7 +72,8 @@ def derived(result: type[T], make: Callable[..., T], *inputs: Any, rows: Sequenc
     result
         Class of the result, a named tuple of arrays and numbers.
     make
-        Function of a module; what it returns depends on its arguments and sources alone.
+        What it returns depends on its arguments and on the sources of its module with all that this imports at its top
+        alone; of what it sees otherwise a digest is among the arguments.
     inputs
         Its arguments: arrays, numbers, texts, None, and tuples of these.
     rows
