@@ -568,8 +568,9 @@ def test_what_was_found_sound_is_not_looked_at_again(tmp_path, monkeypatch):
     )
     run_case(load_case(tmp_path), stages=("simulate",), force=("simulate",))
     assert looked == []
-    (tmp_path / "case.toml").write_text(RESTING.replace('name = "half"', 'name = "hlaf"'))
+    text = RESTING.replace('name = "half", yield_strength', 'name = "hlaf", yield_strength')
+    (tmp_path / "case.toml").write_text(text)
     for _ in range(2):
         with pytest.raises(InputError, match="group 'hlaf' does not exist"):
-            run_case(load_case(tmp_path), stages=("simulate",))
+            run_case(load_case(tmp_path), stages=("simulate",), force=("simulate",))
     assert len(looked) == 2
