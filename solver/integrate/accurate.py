@@ -98,8 +98,9 @@ def _evaluate(
     rate: int,
     time: float,
     with_reactions: bool,
+    factored: bool,
 ) -> None:
-    """Rates of the state in one row of the vectors into another row."""
+    """Rates of the state in one row of the vectors into another row; the factor of its position may be there."""
     progress, values, sums = integration.progress, integration.vectors, work.sums
     size = values.shape[0] // VECTORS
     at, out, end = stage * size, rate * size, (rate + 1) * size - QUADRATURES
@@ -113,7 +114,7 @@ def _evaluate(
     sums.external_work = sums.drive_work = sums.dissipated = 0.0
     add_forces(forces, time, work)
     free_acceleration(bodies, values, at, work)
-    constrain(rows, bodies, joints, integration, at, with_reactions, work, time)
+    constrain(rows, bodies, joints, integration, at, with_reactions, factored, work, time)
     complete_accelerations(bodies, rows, True, values, out)
     for i in range(work.velocity.shape[0]):
         values[out + i] = work.velocity[i]
@@ -124,7 +125,10 @@ def _evaluate(
 def _project(
     bodies: Bodies, joints: Joints, rows: Systems, work: Workspace, integration: Integration, time: float
 ) -> None:
-    """Close the joints of the state at the end: one Newton step of positions, and velocities by the same factor."""
+    """Close the joints of the state at the end: one Newton step of positions, and velocities in the closed position.
+
+    The factor of that position stays, and serves its accelerations.
+    """
     values = integration.vectors
     size = values.shape[0] // VECTORS
     at = END * size
@@ -134,6 +138,7 @@ def _project(
     project(rows, bodies, joints, False, work, time)
     displace_poses(integration.coordinates, values, at, work.velocity)
     _change_nodes(bodies, rows, integration, False)
+    begin_stage(bodies, time, values, at, work)
     for i in range(work.velocity.shape[0]):
         work.velocity[i] = values[at + i]
     project(rows, bodies, joints, True, work, time)
@@ -188,9 +193,10 @@ def _begin(
 ) -> None:
     """First node of the scene, closed, or first one behind a corner."""
     _take_newest(integration, END, 1)
-    if not integration.progress.started:
+    closed = not integration.progress.started
+    if closed:
         _project(bodies, joints, rows, work, integration, time)
-    _evaluate(bodies, forces, joints, rows, work, integration, END, END_RATE, time, False)
+    _evaluate(bodies, forces, joints, rows, work, integration, END, END_RATE, time, False, closed)
     integration.progress.filled = 0
     _add_node(integration, time)
 
@@ -266,6 +272,7 @@ def _step(
                 stage,
                 min(time + NODES[stage - 1] * h, last),
                 False,
+                False,
             )
         write_errors(values, size, FIFTH, THIRD)
         control.error = control.pose_error = 0.0
@@ -285,7 +292,7 @@ def _step(
             return False
     write_end(values, size, END, h)
     _project(bodies, joints, rows, work, integration, last)
-    _evaluate(bodies, forces, joints, rows, work, integration, END, END_RATE, last, False)
+    _evaluate(bodies, forces, joints, rows, work, integration, END, END_RATE, last, False, True)
     watch_stability(integration, h)
     time += h
     if at_corner and rest == ahead:
@@ -369,7 +376,7 @@ def _sample(
         )
     write_velocities(integration.coordinates, values, END * size, END_RATE * size)
     store_state(bodies, time, values, END * size, work)
-    _evaluate(bodies, forces, joints, rows, work, integration, END, END_RATE, time, True)
+    _evaluate(bodies, forces, joints, rows, work, integration, END, END_RATE, time, True, False)
 
 
 @entry  # eleven parameters: the scene is five; which steps, how exact and where records go are six
@@ -419,7 +426,7 @@ def run(
         soften(joint_rows(rows, i), progress.softening)
     if not progress.started:  # reactions of the first record
         _take_newest(integration, END, 1)
-        _evaluate(bodies, forces, joints, rows, work, integration, END, END_RATE, 0.0, True)
+        _evaluate(bodies, forces, joints, rows, work, integration, END, END_RATE, 0.0, True, False)
     row = 0
     for index in range(first, last):
         time = (index + 1) * step
