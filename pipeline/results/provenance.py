@@ -114,6 +114,7 @@ STAGE_PACKAGES = {
     "report": ("numpy", "matplotlib", "pyvista", "k3d"),
     "surfaces": ("numpy", "scipy", "trimesh", "gmsh", "meshio"),
     "hydrodynamics": ("numpy", "scipy", "h5py", "capytaine"),
+    "derived": ("numpy", "scipy", "numba"),
 }
 """Packages whose versions are recorded with the outputs of a stage."""
 

@@ -11,8 +11,10 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from heavylift.numerics.derived import keeping
 from heavylift.numerics.outcome import InputError, InputErrors, Outcome
 from heavylift.pipeline.log import Log
+from heavylift.pipeline.results.derived_files import DerivedFiles
 from heavylift.pipeline.results.provenance import (
     mesh_digest,
     modes_digest,
@@ -166,6 +168,7 @@ def run_case(
     sound = _check_scene(work, stages)
     done: list[StageReport] = []
     seconds: dict[str, float] = {}
+    kept = DerivedFiles(folder, work.reuse, anew="mesh" in work.force)
     with locked(folder.root):
         for part in folder.folders:
             remove_left_over(part, alone=part == folder.segments)
@@ -176,7 +179,8 @@ def run_case(
                 continue
             begin = time.perf_counter()
             try:
-                done.append(runners[name](work))
+                with keeping(kept):
+                    done.append(runners[name](work))
             except StopError as error:
                 done.append(StageReport(name, error.outcome, skipped=False, cpu_s=0.0, message=str(error)))
             except InputError as error:
@@ -193,6 +197,7 @@ def run_case(
                 name == "simulate" and last.outcome in REPORTED
             ):
                 break
+        kept.clean()
     if len(seconds) > 1:
         spent = ", ".join(f"{name} {value:.1f} s" for name, value in seconds.items())
         work.log.say(f"run: {sum(seconds.values()):.1f} s: {spent}")
