@@ -463,9 +463,9 @@ def channel_kind(name: str, text: str, names: Declared | None) -> Kind:
         return combined
     owner, _, last = name.partition(".")
     scene = owner in RESERVED_NAMES
-    known: Mapping[str, str] = SCENE_CHANNELS if scene else all_channels()
-    if not scene and names is not None:
-        known = dict(names.channels.get(owner, known))
+    known: Mapping[str, str] | None = SCENE_CHANNELS if scene else names and names.channels.get(owner)
+    if known is None:
+        known = all_channels()
     key = name if scene else last
     number, dot, kind = last.partition(".")
     if not scene and _CONTACT.fullmatch(number):
