@@ -64,7 +64,7 @@ class KeptStart:
         }
         arrays = {f"{PREFIX}{name}": array for name, array in found.arrays.items()}
         with replacing(self.file) as temporary, temporary.open("wb") as stream:
-            np.savez(stream, header=np.array(json.dumps(header)), **arrays)
+            np.savez(stream, header=np.array(json.dumps(header)), **arrays)  # type: ignore[arg-type]
 
 
 def _key(digest: str) -> str:
