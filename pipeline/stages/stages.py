@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import contextlib
 import importlib
+import sys
 import time
 from dataclasses import dataclass, replace
 from functools import partial
@@ -14,6 +15,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from heavylift.numerics.outcome import InputError, InputErrors, Outcome
+from heavylift.numerics.side_by_side import SideBySide
 from heavylift.pipeline.log import Log
 from heavylift.pipeline.results.provenance import (
     mesh_digest,
@@ -32,11 +34,11 @@ from heavylift.pipeline.results.storage import (
     write_json,
 )
 from heavylift.pipeline.stages.lock import locked
-from heavylift.pipeline.stages.side_by_side import SideBySide
 from heavylift.pipeline.stages.work import StageReport, Work
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Collection, Sequence
+    from collections.abc import Callable, Sequence
+    from collections.abc import Set as AbstractSet
 
     from heavylift.pipeline.case.bodies import FlexibleBodySection
     from heavylift.pipeline.case.case_file import Case
@@ -360,7 +362,7 @@ def _body_stage(
     digest_of: Callable[[Case, FlexibleBodySection], str],
     make: Callable[[str, FlexibleBodySection, dict[str, Any]], dict[str, Any]],
     module: str,
-    alone: Collection[str],
+    alone: AbstractSet[str],
 ) -> StageReport:
     """Make the file of every flexible body that is not current, by a module; several at once without what is alone."""
     from heavylift.pipeline.stages.surfaces import reused
@@ -390,7 +392,7 @@ def _body_stage(
     wanted = {name: partial(made, name, body) for name, body in work.flexible.items() if not kept.get(name)}
     # what another folder may have is looked for first, one after the other
     several = wanted if not work.reuse or forced else {}
-    with SideBySide(list(several.values()), alone) as processes:
+    with SideBySide(list(several.values()), alone=bool(alone & sys.modules.keys())) as processes:
         if processes.count > 1:
             importlib.import_module(module)  # once, not in each copy
         results = processes.results() if processes.count > 1 else None

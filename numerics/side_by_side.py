@@ -6,7 +6,7 @@ place, and fails as it would have: errors, and their order, are those of one pro
 system has ended, for want of memory.
 
 A copy of a process has one thread of it. Libraries whose threads would be missed in the copy must not have started
-them: whoever has parts says which, and where one has been loaded all parts are made here.
+them: whoever has parts says whether one may have, and then all parts are made here.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from heavylift.numerics.memory import available_memory
 from heavylift.numerics.processors import PROCESSES, processors
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Collection, Iterator, Sequence
+    from collections.abc import Callable, Iterator, Sequence
     from types import TracebackType
 
 __all__ = ["SideBySide", "cpu_seconds"]
@@ -57,20 +57,20 @@ class SideBySide:
     parts
         Functions without parameters, whose results can be pickled. They may write files, each its own.
     alone
-        Modules of libraries that do not bear a copy of the process: if one is loaded, there is none.
+        All parts are made here: a library that they use does not bear a copy of the process.
     """
 
-    def __init__(self, parts: Sequence[Callable[[], Any]], alone: Collection[str] = ()) -> None:
+    def __init__(self, parts: Sequence[Callable[[], Any]], *, alone: bool = False) -> None:
         self._parts = parts
         self._results: list[int] = []  # files in memory
         self._numbers = self._done = self._tell = -1
         self._processes: set[int] = set()
-        self.count = self._most(alone) if 1 < len(parts) <= MOST else 1
+        self.count = self._most() if 1 < len(parts) <= MOST and not alone else 1
         """Processes at once."""
 
-    def _most(self, alone: Collection[str]) -> int:
+    def _most(self) -> int:
         """Processes that may work at once."""
-        if sys.platform != "linux" or threading.active_count() > 1 or set(alone) & set(sys.modules):
+        if sys.platform != "linux" or threading.active_count() > 1:
             return 1
         return min(len(self._parts), processors(), max(1, int(available_memory() / MEMORY_EACH)))
 

@@ -11,8 +11,8 @@ import pytest
 
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.processors import PROCESSES
+from heavylift.numerics.side_by_side import SideBySide
 from heavylift.pipeline import load_case, run_case
-from heavylift.pipeline.stages.side_by_side import SideBySide
 
 
 @pytest.fixture(autouse=True)
