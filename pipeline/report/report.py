@@ -15,7 +15,7 @@ from heavylift.numerics.outcome import Outcome
 from heavylift.numerics.side_by_side import SideBySide
 from heavylift.pipeline.checks.hanging import hanging_warnings
 from heavylift.pipeline.checks.judge import judge
-from heavylift.pipeline.log import KeptLog
+from heavylift.pipeline.log import KeptLog, Log
 from heavylift.pipeline.page.packing import LibraryMissingError, page_parts
 from heavylift.pipeline.pictures.render import Renderer, RenderingUnavailableError, has_drawn
 from heavylift.pipeline.report.bodies import body_sections
@@ -61,7 +61,6 @@ if TYPE_CHECKING:
     from heavylift.pipeline.case.case_file import Case
     from heavylift.pipeline.case.criteria.results import CriterionResult
     from heavylift.pipeline.checks.quantities import CheckResult
-    from heavylift.pipeline.log import Log
     from heavylift.pipeline.results.histories import Results
 
 __all__ = ["judged_run", "write_report"]
@@ -262,8 +261,8 @@ def _side_by_side(
         found = []
         for sections, pictures, lines in processes.results():
             found.append((sections, pictures))
-            for line in lines if log is not None else ():
-                log.say(line)
+            for line in lines:
+                (log or Log(quiet=True)).say(line)
     judged = judged or judge_all(of_judged)
     contents = [*(pictures for _, pictures in found), of_judged.pictures, of_plotted.pictures]
     for content in contents:
