@@ -44,6 +44,7 @@ if TYPE_CHECKING:
     from heavylift.solver.bodies.floating_frame.modal_range import ModalRange
     from heavylift.solver.scenario.operation import Operation
     from heavylift.solver.start.diagnosis import Diagnosis
+    from heavylift.solver.start.kept import StartStore
 
 __all__ = ["INTEGRATORS", "Simulation"]
 
@@ -89,6 +90,8 @@ class Simulation:
         ``"check"``: joints that do not close at the start are an error; ``"project"``: they are closed;
         ``"equilibrium"``: the scene is brought to rest in static equilibrium first; ``"relax"``: the same by a
         dissipative motion.
+    starts
+        Keeps equilibria: one that was found for the same scene is taken, with the same bits.
 
     Attributes
     ----------
@@ -129,6 +132,7 @@ class Simulation:
         record_every: int = 1,
         tolerance: float | None = None,
         start: Start = "check",
+        starts: StartStore | None = None,
     ) -> None:
         _check_positive("step", step, "a positive time [s]")
         if integrator not in {*INTEGRATORS, "auto"}:
@@ -188,7 +192,7 @@ class Simulation:
                 key="start",
                 expected="'check' or 'project': contacts come to rest during the run",
             )
-        self._start_mode, self._scene = start, scene
+        self._start_mode, self._scene, self._starts = start, scene, starts
         self._fits_tensions = start in AT_REST and any(getattr(rope, "tension", 0.0) for rope in scene.ropes)
         self.start_text = self._unsettled = ""
         module = importlib.import_module(INTEGRATORS[integrator])
@@ -342,12 +346,23 @@ class Simulation:
         }
         begin = clock.thread_time()
         settles = self._touches and self._start_mode in AT_REST  # after contacts have been met
-        with compile_clock() as compiling:
-            self.start_text = ways["project" if settles else self._start_mode](rows).text
+
+        def search() -> str:
+            text: str = ways["project" if settles else self._start_mode](rows).text
             if self._fits_tensions and not settles:
                 from heavylift.solver.statics.start_tensions import fit_start_tensions
 
-                self.start_text = fit_start_tensions(rows, ways[self._start_mode], self.start_text)
+                text = fit_start_tensions(rows, ways[self._start_mode], text)
+            return text
+
+        with compile_clock() as compiling:
+            if self._starts is not None and self._start_mode in AT_REST and not settles:
+                from heavylift.solver.start.kept import known_start
+
+                words = (self._start_mode, self._fits_tensions, self.integrator, self.step, self.tolerance)
+                self.start_text = known_start(rows, self._starts, words, search)
+            else:
+                self.start_text = search()
         if self._start_mode in AT_REST and not settles:
             self._check_strains()
         if any(kind.FLOATS for kind in self._layout.bodies):

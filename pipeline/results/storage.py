@@ -136,6 +136,11 @@ class OutputFolder:
         return self.root / "simulate" / "results.h5"
 
     @property
+    def start(self) -> Path:
+        """Equilibrium that a simulation started from."""
+        return self.root / "simulate" / "start.npz"
+
+    @property
     def segments(self) -> Path:
         """Time histories of a simulation that is not finished."""
         return self.root / "simulate" / "segments"
