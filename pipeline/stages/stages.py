@@ -7,10 +7,11 @@ from __future__ import annotations
 
 import contextlib
 import time
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.outcome import InputError, InputErrors, Outcome
 from heavylift.pipeline.log import Log
 from heavylift.pipeline.results.provenance import (
