@@ -19,7 +19,7 @@ import struct
 import sys
 import typing
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, fields, replace
+from dataclasses import fields, replace
 from functools import cache
 from pathlib import Path
 from typing import Annotated, Any, Self, dataclass_transform
@@ -36,6 +36,7 @@ from numba.np import numpy_support
 from numba.np.arrayobj import populate_array
 from numpy.typing import NDArray
 
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.hints import array_scalar
 
 __all__ = [

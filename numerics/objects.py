@@ -23,7 +23,6 @@ import tempfile
 import threading
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass
 from functools import cache, partial, update_wrapper
 from pathlib import Path
 from typing import Any
@@ -55,6 +54,7 @@ from heavylift.numerics.arrays import (
     rebuild_array,
     word_count,
 )
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.jit import kernel, module_of
 from heavylift.numerics.sources import (
     cache_root,

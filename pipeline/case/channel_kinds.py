@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections import Counter
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import TYPE_CHECKING
 
+from heavylift.numerics.classes import dataclass
 from heavylift.solver.scene.channels import (
     EnergyOutputs,
     MomentumOutputs,

@@ -8,12 +8,12 @@ them.
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass
 from functools import cache, partial
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.derived import derived
 from heavylift.numerics.outcome import InputError
 from heavylift.pipeline.assemble.modes import flexibility_of

@@ -5,13 +5,14 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import cache
 from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
 from heavylift.numerics.children import NEUTRAL_FOLDER, python_command
+from heavylift.numerics.classes import dataclass
 
 if TYPE_CHECKING:
     from types import TracebackType

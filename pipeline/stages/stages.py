@@ -9,11 +9,12 @@ import contextlib
 import importlib
 import sys
 import time
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.derived import keeping
 from heavylift.numerics.outcome import InputError, InputErrors, Outcome
 from heavylift.numerics.side_by_side import SideBySide
