@@ -90,6 +90,9 @@ class Progress(Record):
         Of those, at the start [m, rad].
     largest_error
         Of a step, whatever the tolerance [m].
+    trees, velocities, spin
+        Whether bodies are in trees, whose coordinates the state vector has; velocities that it begins with; largest
+        spin of a body [rad/s].
     """
 
     started: bool
@@ -113,6 +116,9 @@ class Progress(Record):
     chosen: bool
     start_gap: float
     largest_error: float
+    trees: bool
+    velocities: int
+    spin: float
 
 
 class Integration(Arrays):
@@ -144,15 +150,18 @@ class Integration(Arrays):
     coordinates: Records[Coordinates]
     softening: Floats1
 
-    def take_start(self, bodies: Bodies) -> None:
-        """The carried state of the bodies becomes the first node."""
-        for kind in bodies:
+    def take_start(self, bodies: Bodies, systems: Systems) -> None:
+        """The carried state of the bodies becomes the first node: of trees, if they have them all."""
+        trees = [system for system in systems if hasattr(system, "write_tree_state")]
+        for forest in trees:
+            forest.write_tree_state(bodies, self.nodes)
+        for kind in () if trees else bodies:
             kind.write_state(self.nodes)
 
     @property
     def loops(self) -> bool:
-        """Whether joints close loops, so that some of their rows may follow from others."""
-        return bool(self.softening.size) and self.progress.largest_error < math.inf
+        """Whether joints of bodies in no trees close loops, so that rows may follow from others."""
+        return not self.progress.trees and self.progress.largest_error < math.inf
 
     def keep_rows(self, rows: NDArray[np.int64], kept: NDArray[np.bool_]) -> None:
         """Leave rows out that follow from others.
@@ -192,8 +201,21 @@ def _is_tree(system: RowSystem) -> bool:
     return True
 
 
-def make_integration(bodies: Bodies, joints: Joints, systems: Systems, work: Workspace) -> Integration:
+def make_integration(
+    bodies: Bodies,
+    joints: Joints,
+    systems: Systems,
+    work: Workspace,
+    trees: tuple[int, int] | None = None,
+) -> Integration:
     """The last member of the systems of a scene that is integrated accurately.
+
+    Parameters
+    ----------
+    bodies, joints, systems, work
+        Of the packed scene.
+    trees
+        Velocities and coordinates of the trees that have all free bodies, if there are any.
 
     Raises
     ------
@@ -221,8 +243,8 @@ def make_integration(bodies: Bodies, joints: Joints, systems: Systems, work: Wor
         found, place = kind.place_coordinates(place)
         described.append(found)
     coordinates = records(Coordinates, [one for found in described for one in found])
-    size = padded(place + QUADRATURES)
     progress = Progress.one()
+    progress.velocities = work.velocity.shape[0]
     progress.length = coordinates["reach"].max()
     progress.loaded = any((kind.markers["level"] > 0).any() for kind in bodies)
     driven = (coordinates["motion"] == DRIVEN).any()
@@ -231,7 +253,11 @@ def make_integration(bodies: Bodies, joints: Joints, systems: Systems, work: Wor
     softening, progress.solutions, progress.largest_error = TREE_SOFTENING, 1, math.inf
     if not all(_is_tree(system) for system in systems):
         softening, progress.solutions = SHARED_SOFTENING, 2
-        progress.largest_error = LOOSEST_SHARED * progress.length
+        progress.largest_error = (LOOSEST_SHARED if trees is None else LOOSEST_LOOP) * progress.length
+    if trees is not None:
+        progress.trees, progress.velocities, place = True, trees[0], sum(trees)
+        coordinates = records(Coordinates, 0)
+    size = padded(place + QUADRATURES)
     lanes = sum(len(system.attachments) // 2 * system.lanes for system in systems)
     return Integration(
         progress,

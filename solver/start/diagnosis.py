@@ -11,13 +11,14 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from heavylift.numerics.classes import dataclass
 from heavylift.solver.start.consistent_start import close_positions
 from heavylift.solver.start.motion_words import motion_words, move_words
 from heavylift.solver.start.rows import StartRows, plural, quoted
@@ -272,7 +273,7 @@ def core_part(scaled: ScaledRows, core: Core) -> tuple[Any, NDArray[np.int64]]:
 
 @dataclass(frozen=True)
 class NearbyRows:
-    """The same rows in a nearby position, the ranks of the cores there; whether they close, and only where they were."""
+    """The same rows in a nearby position, ranks of the cores; whether they close, and only where they were."""
 
     scaled: ScaledRows
     ranks: list[int]
