@@ -327,7 +327,13 @@ def _step(
             work.status.outcome = STEP_TOO_SMALL if error < math.inf else NOT_FINITE
             return False
     write_end(values, size, END, h)
+    chosen = progress.chosen
     _project(bodies, joints, rows, work, integration, allowed, last)
+    if progress.chosen != chosen:  # rows came back: begin anew where they were not needed yet
+        control.next_step = SMALLEST_FACTOR * h
+        progress.rejections += 1
+        progress.at_corner = True
+        return True
     _evaluate(bodies, forces, joints, rows, work, integration, END, END_RATE, last, False, True)
     watch_stability(integration, h)
     time += h
