@@ -51,6 +51,9 @@ LOOP_SOFTENING, TREE_SOFTENING = 1e-8, 1e-14
 LOOSEST_LOOP = 1e-6
 """Largest error of a step in scenes with loops, relative to the largest body: with more they leave their branch."""
 
+LOOSEST_IN_TREES = 1e-3
+"""The same where most joints are coordinates of trees. A four-bar leaves its branch with 1e-2."""
+
 
 class Progress(Record):
     """How far the integrator is, and what it knows of the scene.
@@ -225,6 +228,7 @@ def make_integration(
         progress.solutions, progress.softening = 2, LOOP_SOFTENING
         progress.largest_error = LOOSEST_LOOP * progress.length
     if trees is not None:
+        progress.largest_error *= LOOSEST_IN_TREES / LOOSEST_LOOP
         progress.trees, progress.velocities, place = True, trees[0], sum(trees)
         coordinates = records(Coordinates, 0)
     size = padded(place + QUADRATURES)
