@@ -55,6 +55,9 @@ LOOSEST_SHARED, LOOSEST_LOOP = 1e-6, 1e-4
 OPENS = 10.0
 """Gap of a row that was left out, in largest errors of a step, from which on it is needed."""
 
+LOOSEST_IN_TREES = 1e-3
+"""The same where most joints are coordinates of trees. A four-bar leaves its branch with 1e-2."""
+
 
 class Progress(Record):
     """How far the integrator is, and what it knows of the scene.
@@ -253,7 +256,7 @@ def make_integration(
     softening, progress.solutions, progress.largest_error = TREE_SOFTENING, 1, math.inf
     if not all(_is_tree(system) for system in systems):
         softening, progress.solutions = SHARED_SOFTENING, 2
-        progress.largest_error = (LOOSEST_SHARED if trees is None else LOOSEST_LOOP) * progress.length
+        progress.largest_error = (LOOSEST_SHARED if trees is None else LOOSEST_IN_TREES) * progress.length
     if trees is not None:
         progress.trees, progress.velocities, place = True, trees[0], sum(trees)
         coordinates = records(Coordinates, 0)
