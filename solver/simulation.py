@@ -503,6 +503,7 @@ class Simulation:
         self.warm_up()
         row = np.empty(self.column_count)
         self._write(row)
+        self._return.forget()  # whole turns are counted from record to record
         return row
 
     def advance(self, steps: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
