@@ -232,7 +232,7 @@ class Simulation:
         self._lone = None if self.operation is None else LoneExtremes(self.channels)
         self._return, self._heard = ReturnPoint(), 0
         self._views: tuple[Any, dict[str, NDArray[Any]]] = (None, {})
-        self._calls: tuple[Any, Callable[..., Any]] = (None, self._run)
+        self._calls: tuple[Any, Callable[..., Any], Callable[..., Any]] = (None, self._run, write_record)
         self._warm = False
         self._started = False
         self._scene_digest = self._digest()
@@ -515,7 +515,7 @@ class Simulation:
         self.warm_up()
         row = np.empty(self.column_count)
         self._write(row)
-        self._return.forget()
+        self._return.forget()  # whole turns are counted from record to record
         return row
 
     def advance(self, steps: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -585,18 +585,20 @@ class Simulation:
             self.outcome, self.message = Outcome.MODES_LEFT, self._range.message(when)
         return beyond
 
-    def _call(self, first: int, last: int, every: int, records: NDArray[np.float64]) -> int:
+    @property
+    def _entries(self) -> tuple[Callable[..., Any], Callable[..., Any]]:
+        """Steps and record of this scene, whose tables are looked at once."""
         layout = self._layout
         if self._calls[0] is not layout:
-            call = self._run.with_first(
-                layout.bodies, layout.forces, layout.joints, layout.systems, layout.work
-            )
-            self._calls = layout, call
-        return int(self._calls[1](self.step, self.tolerance, first, last, every, records))
+            scene = layout.bodies, layout.forces, layout.joints, layout.systems, layout.work
+            self._calls = layout, self._run.with_first(*scene), write_record.with_first(*scene)
+        return self._calls[1:]
+
+    def _call(self, first: int, last: int, every: int, records: NDArray[np.float64]) -> int:
+        return int(self._entries[0](self.step, self.tolerance, first, last, every, records))
 
     def _write(self, row: NDArray[np.float64]) -> None:
-        layout = self._layout
-        write_record(layout.bodies, layout.forces, layout.joints, layout.systems, layout.work, self.time, row)
+        self._entries[1](self.time, row)
 
     def _stop(self) -> None:
         self.outcome = Outcome(int(self._layout.work.status.outcome))
