@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from heavylift.numerics.joined import joined
+
 if TYPE_CHECKING:
     from heavylift.contours.triangles.surface_pack import CollisionSurfaces
 
@@ -53,15 +55,11 @@ def closed_parts(surfaces: CollisionSurfaces, deforming: Collection[int]) -> Clo
     deforming
         Numbers of those that deform: none of their parts counts as closed.
     """
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
     corners: NDArray[np.int64] = surfaces.triangles["corners"]
     points = surfaces.points
     count = len(points)
     start, end = corners.ravel(), np.roll(corners, -1, axis=1).ravel()
-    graph = coo_array((np.ones(len(start)), (start, end)), shape=(count, count))
-    label = connected_components(graph, directed=False)[1]
+    label = joined(count, np.column_stack([start, end]))
     _, part = np.unique(label[corners[:, 0]], return_inverse=True)
     part = part.astype(np.int64).ravel()
     parts = int(part.max(initial=-1)) + 1
