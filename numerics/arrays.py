@@ -116,11 +116,13 @@ class Arrays:
         TypeError
             If a value is not what its annotation says.
         """
-        block = self.__dict__.get("_block")
-        if block is None:
+        address: int | None = self.__dict__.get("_address")
+        if address is None:
             block = np.array(self._words(), dtype=np.int64)
+            address = int(block.ctypes.data)
             object.__setattr__(self, "_block", block)
-        return int(block.ctypes.data)
+            object.__setattr__(self, "_address", address)
+        return address
 
     def _words(self) -> list[int]:
         words: list[int] = []

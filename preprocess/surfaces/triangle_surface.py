@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from heavylift.numerics.classes import dataclass
+from heavylift.numerics.joined import joined
 from heavylift.numerics.outcome import InputError
 
 if TYPE_CHECKING:

@@ -38,6 +38,7 @@ from heavylift.solver.contact.kind import (
     Features,
     Reduced,
     Scratch,
+    StoodPair,
     Tally,
 )
 from heavylift.solver.contact.laws.packing import force_law, put_law
@@ -301,6 +302,7 @@ def _kind(
         facets=collided.facets,
         modal=collided.modal,
         placed=collided.placed,
+        stood=records(StoodPair, sum(len(meshes.pairs) for meshes in collided.meshes)),
         carried=np.zeros(0),
         saved=np.zeros(0),
     )
