@@ -233,7 +233,7 @@ class Simulation:
         self._return, self._heard = ReturnPoint(), 0
         self._views: tuple[Any, dict[str, NDArray[Any]]] = (None, {})
         self._calls: tuple[Any, Callable[..., Any], Callable[..., Any]] = (None, self._run, write_record)
-        self._warm = False
+        self._compiled = self._warm = False
         self._started = False
         self._scene_digest = self._digest()
 
@@ -256,13 +256,15 @@ class Simulation:
 
             entries.append(begin_scenario)
         units |= {entry.unit.name: entry.unit for entry in entries}
-        return missing_units(list(units.values()))
+        missing = missing_units(list(units.values()))
+        self._compiled = not missing
+        return missing
 
     def warm_up(self) -> None:
         """Compile what is missing, load the rest, without changing the state."""
         if self._warm:
             return
-        missing = self.missing_units()
+        missing = [] if self._compiled else self.missing_units()
         if missing:
             compile_units(missing, lambda _name, _seconds: None)
         begin, found = clock.thread_time(), self.start_seconds

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from heavylift.contours.splines.convex import BOX, CAPSULE, CYLINDER, ELLIPSOID, RING, Primitive, shape_row
 from heavylift.numerics.classes import dataclass
+from heavylift.numerics.joined import joined
 from heavylift.numerics.lanes import block_shape
 from heavylift.numerics.records import Records, lane_records, records
 from heavylift.solver.contact import layout
@@ -194,17 +195,13 @@ def _islands(
 
     Bodies, known by their first velocities, blocks of rows and contacts are the nodes of a graph.
     """
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
     first = velocity_count + 1 + int(linked["owner"].max(initial=-1))
     dof = np.append(linked["dof"], [side.dof for side in sides]).astype(np.int64)
     holder = np.append(linked["holder"], [side.holder for side in sides])
     by = np.append(velocity_count + linked["owner"], first + np.arange(len(sides)) // 2).astype(np.int64)
     moves = holder != PRESCRIBED
     size = first + len(sides) // 2
-    graph = coo_array((np.ones(moves.sum()), (dof[moves], by[moves])), shape=(size, size))
-    label = connected_components(graph, directed=False)[1]
+    label = joined(size, np.column_stack([dof[moves], by[moves]]))
     return np.unique(label[first:], return_inverse=True)[1].astype(np.int64)
 
 

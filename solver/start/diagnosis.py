@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.classes import dataclass
+from heavylift.numerics.sparse_rows import SparseRows
 from heavylift.solver.start.consistent_start import close_positions
 from heavylift.solver.start.motion_words import motion_words, move_words
 from heavylift.solver.start.rows import StartRows, plural, quoted
@@ -229,17 +230,12 @@ def scale_rows(rows: StartRows) -> tuple[ScaledRows, NDArray[np.float64]]:
     if not rows.rigid.any():  # a scene without joints need not wait for an import
         nothing = np.zeros((0, len(rows.free)))
         return ScaledRows(nothing, rows.block[rows.rigid], owner[rows.free], EXACT), lengths
-    from scipy.sparse import diags_array
-
-    G = (rows.jacobian()[rows.rigid][:, rows.free] * lengths[None, :]).tocsr()
-    norm = np.sqrt(np.asarray((G * G).sum(axis=1)).ravel())
-    norm[norm == 0.0] = 1.0
+    G = SparseRows(rows.entries(), rows.entry_rows, rows.entry_columns, (len(rows.rigid), len(inertia)))
+    G = G.part(np.flatnonzero(rows.rigid), rows.free)
+    G.data *= lengths[G.indices]
     violation = float(np.abs(rows.residual[rows.rigid]).max(initial=0.0))
-    unit = (diags_array(1.0 / norm) @ G).tocsr() if len(norm) else G
-    unit.eliminate_zeros()
-    unit.sort_indices()
     tolerance = EXACT + 30.0 * violation / min(1.0, float(lengths.min(initial=1.0)))
-    return ScaledRows(unit, rows.block[rows.rigid], owner[rows.free], tolerance), lengths
+    return ScaledRows(G.unit_rows(), rows.block[rows.rigid], owner[rows.free], tolerance), lengths
 
 
 def _touched(
@@ -266,9 +262,7 @@ def core_part(scaled: ScaledRows, core: Core) -> tuple[Any, NDArray[np.int64]]:
     """Rows of a core and the body of each of its columns."""
     blocks = [block for pair in core.pairs for block in pair.blocks]
     columns = scaled.columns(core.bodies)
-    part = scaled.matrix[scaled.rows(blocks)][:, columns].tocsr()
-    part.sort_indices()
-    return part, scaled.owner[columns]
+    return scaled.matrix.part(scaled.rows(blocks), columns), scaled.owner[columns]
 
 
 @dataclass(frozen=True)
