@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -10,6 +9,7 @@ import numpy as np
 from heavylift.modal.constraints import free_dofs
 from heavylift.modal.eigen import eigenmodes
 from heavylift.modal.flexibility import Flexibility, apply_mass, held_dofs, held_nodes
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.threads import one_blas_thread
 from heavylift.preprocess.finite_elements.mesh import find_place

@@ -5,13 +5,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from heavylift.modal.flexibility import Flexibility, apply_mass
 from heavylift.modal.lanczos import BLOCK, block_lanczos
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.threads import one_blas_thread
 

@@ -12,10 +12,11 @@ them. A body that is not held has the static answer of inertia relief.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+
+from heavylift.numerics.classes import dataclass
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

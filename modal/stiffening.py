@@ -17,10 +17,12 @@ bending is small.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import TYPE_CHECKING
 
 import numpy as np
+
+from heavylift.numerics.classes import dataclass
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -5,12 +5,12 @@ Streamed in blocks of points and records, so that neither modal stresses nor str
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from heavylift.modal.stress_points import equivalent_stress
+from heavylift.numerics.classes import dataclass
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence

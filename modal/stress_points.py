@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from heavylift.modal.stress import nodal_gradients
+from heavylift.numerics.classes import dataclass
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -7,12 +7,13 @@ stress at both ends, without shear and torsion.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from heavylift.modal.stress_points import SURFACE, SolidPoints, StressPoints, solid_points
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.outcome import InputError
 from heavylift.preprocess.finite_elements.mesh import Mesh
 from heavylift.preprocess.structures.stress import beam_stress, shell_stress

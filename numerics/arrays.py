@@ -19,7 +19,7 @@ import struct
 import sys
 import typing
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, fields, replace
+from dataclasses import fields, replace
 from functools import cache
 from pathlib import Path
 from typing import Annotated, Any, Self, dataclass_transform
@@ -36,6 +36,7 @@ from numba.np import numpy_support
 from numba.np.arrayobj import populate_array
 from numpy.typing import NDArray
 
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.hints import array_scalar
 
 __all__ = [
@@ -115,11 +116,13 @@ class Arrays:
         TypeError
             If a value is not what its annotation says.
         """
-        block = self.__dict__.get("_block")
-        if block is None:
+        address: int | None = self.__dict__.get("_address")
+        if address is None:
             block = np.array(self._words(), dtype=np.int64)
+            address = int(block.ctypes.data)
             object.__setattr__(self, "_block", block)
-        return int(block.ctypes.data)
+            object.__setattr__(self, "_address", address)
+        return address
 
     def _words(self) -> list[int]:
         words: list[int] = []

@@ -9,11 +9,11 @@ block is one long product: E. G. Ng and B. W. Peyton, SIAM J. Sci. Comput. 14 (1
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.elimination import FactorStructure, order_nodes
 from heavylift.numerics.lanes import block_shape
 from heavylift.numerics.records import Record, Records, records

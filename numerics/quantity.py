@@ -6,11 +6,11 @@ pydantic asks the annotation itself how to validate, and gets the parser of unit
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.units import KINDS, Dimension, Kind, parse_quantity, with_article
 

@@ -18,7 +18,7 @@ from heavylift.numerics.outcome import in_one_line, visible
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-__all__ = ["Log", "flush_output", "lost_output", "say_on"]
+__all__ = ["KeptLog", "Log", "flush_output", "lost_output", "say_on"]
 
 PROGRESS_SECONDS = 10.0
 """Wall time between two lines of progress where no bar can be drawn."""
@@ -135,6 +135,25 @@ class Log:
         with Progress(*columns, console=Console(file=self.stream), transient=True) as bar:
             task = bar.add_task(in_one_line(title), total=total, completed=int(start), note="")
             yield lambda done, note: bar.update(task, completed=done, note=in_one_line(note))
+
+
+class KeptLog(Log):
+    """Keeps lines for another one to say; progress is printed at once, as lines.
+
+    Attributes
+    ----------
+    lines
+        In order.
+    """
+
+    def __init__(self, *, quiet: bool = False) -> None:
+        super().__init__(quiet=quiet)
+        self.stream = None
+        self.lines: list[str] = []
+
+    def say(self, text: str) -> None:
+        """Keep a line."""
+        self.lines.append(text)
 
 
 class _PlainProgress:

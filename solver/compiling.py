@@ -34,6 +34,7 @@ from heavylift.numerics.objects import (
     is_compiled,
     writable_root,
 )
+from heavylift.numerics.processors import processors
 from heavylift.numerics.sources import edited_since_start
 from heavylift.solver.kinds import kind_units, kinds_with_operations
 
@@ -88,7 +89,7 @@ def compile_units(
     tell
         Called with the name of a unit and its CPU time [s] when it is done, in any thread.
     processes
-        One for each processor that may be used if None.
+        One for each processor that may be used if None, see `heavylift.numerics.processors`.
 
     Raises
     ------
@@ -138,7 +139,7 @@ def compile_units(
         process.stdout.close()
         process.wait()
 
-    count = min(len(units), processes or _processors())
+    count = min(len(units), processes or processors())
     threads = [threading.Thread(target=work, args=(number,), daemon=True) for number in range(count)]
     for thread in threads:
         thread.start()
@@ -175,11 +176,6 @@ class WaitingUnits:
             unit = self._left.pop(place)
             self._begun.setdefault(unit.owner[:2], process)
             return unit
-
-
-def _processors() -> int:
-    """Processors that this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def _serve() -> None:

@@ -104,7 +104,7 @@ class Table(Sequence[Any]):
                     f"{type(kind).__name__} among {type(self).__name__}: expected a {self.members.__name__}"
                 )
         self.groups = None if groups is None else frozenset(groups)
-        self._memory: Any = None
+        self._place = 0
         self._kept: list[Any] = []
         self._known = -1
 
@@ -182,8 +182,8 @@ class Table(Sequence[Any]):
                 place += len(pairs)
                 memory[2 * i + 1] = memory.ctypes.data + WORD_BYTES * place
             self._kept.append(memory)  # a group of arrays, or a call, may hold the address of an older one
-            self._memory, self._known = memory, len(self.operations)
-        return int(self._memory.ctypes.data)
+            self._place, self._known = int(memory.ctypes.data), len(self.operations)
+        return self._place
 
 
 def tables_in(group: Arrays) -> list[Table]:

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from heavylift.numerics.classes import dataclass
 from heavylift.solver.body_places import BodyPlaces, SeaPlaces
 from heavylift.solver.coordinates import attachments, first_dofs, velocity_count
 from heavylift.solver.interface import (

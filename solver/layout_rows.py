@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import TYPE_CHECKING, Any
 
+from heavylift.numerics.classes import dataclass
 from heavylift.solver.coordinates import attachments, first_dofs, inverse_masses, inverse_scales
 from heavylift.solver.force_elements.packing import PackingContext
 from heavylift.solver.force_elements.registry import elements_of, pack_elements

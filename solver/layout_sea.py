@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.rotation import rotation_matrix
 from heavylift.solver.markers import MarkerBook

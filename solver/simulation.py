@@ -24,8 +24,9 @@ from heavylift.solver.integrate.loop import start_scene, write_record
 from heavylift.solver.integrate.resolution import period_words, prepare_counts, step_warning
 from heavylift.solver.integrate.run_watch import STATE, RunWatch
 from heavylift.solver.interface import Systems
-from heavylift.solver.layout import Channel, pack_scene
+from heavylift.solver.layout import Channel, Layout, pack_scene
 from heavylift.solver.recording import check_written, unwritten
+from heavylift.solver.return_point import ReturnPoint
 from heavylift.solver.scene.contacts import RigidLaw
 from heavylift.solver.scene.scene import Scene, Start
 from heavylift.solver.stop_message import (
@@ -43,6 +44,7 @@ if TYPE_CHECKING:
     from heavylift.solver.bodies.floating_frame.modal_range import ModalRange
     from heavylift.solver.scenario.operation import Operation
     from heavylift.solver.start.diagnosis import Diagnosis
+    from heavylift.solver.start.kept import StartStore
 
 __all__ = ["INTEGRATORS", "Simulation"]
 
@@ -88,6 +90,8 @@ class Simulation:
         ``"check"``: joints that do not close at the start are an error; ``"project"``: they are closed;
         ``"equilibrium"``: the scene is brought to rest in static equilibrium first; ``"relax"``: the same by a
         dissipative motion.
+    starts
+        Keeps equilibria: one that was found for the same scene is taken, with the same bits.
 
     Attributes
     ----------
@@ -128,6 +132,7 @@ class Simulation:
         record_every: int = 1,
         tolerance: float | None = None,
         start: Start = "check",
+        starts: StartStore | None = None,
     ) -> None:
         _check_positive("step", step, "a positive time [s]")
         if integrator not in {*INTEGRATORS, "auto"}:
@@ -187,15 +192,13 @@ class Simulation:
                 key="start",
                 expected="'check' or 'project': contacts come to rest during the run",
             )
-        self._start_mode, self._scene = start, scene
+        self._start_mode, self._scene, self._starts = start, scene, starts
         self._fits_tensions = start in AT_REST and any(getattr(rope, "tension", 0.0) for rope in scene.ropes)
         self.start_text = self._unsettled = ""
         module = importlib.import_module(INTEGRATORS[integrator])
         self._run = module.run
         if integrator == "accurate":
-            layout = self._layout
-            own = module.make_integration(layout.bodies, layout.joints, layout.systems, layout.work)
-            self._layout = replace(layout, systems=Systems((*layout.systems, own), layout.systems.groups))
+            self._layout = _with_integration(scene, self._layout, module)
         self.channels: tuple[Channel, ...] = self._layout.channels
         self.column_count: int = self._layout.column_count
         self.diagnosis: Diagnosis | None = None
@@ -227,6 +230,9 @@ class Simulation:
 
             self._range = ModalRange(modal, self.channels, scene.joints)
         self._lone = None if self.operation is None else LoneExtremes(self.channels)
+        self._return, self._heard = ReturnPoint(), 0
+        self._views: tuple[Any, dict[str, NDArray[Any]]] = (None, {})
+        self._calls: tuple[Any, Callable[..., Any]] = (None, self._run)
         self._warm = False
         self._started = False
         self._scene_digest = self._digest()
@@ -279,7 +285,7 @@ class Simulation:
         if layout.joints or self._start_mode in AT_REST:
             self._fit_joints()
         if self.integrator == "accurate":
-            layout.systems[-1].take_start(layout.bodies)
+            layout.systems[-1].take_start(layout.bodies, layout.systems)
         if self._touches:
             from heavylift.solver.contact.check_start import start_contacts
 
@@ -340,12 +346,23 @@ class Simulation:
         }
         begin = clock.thread_time()
         settles = self._touches and self._start_mode in AT_REST  # after contacts have been met
-        with compile_clock() as compiling:
-            self.start_text = ways["project" if settles else self._start_mode](rows).text
+
+        def search() -> str:
+            text: str = ways["project" if settles else self._start_mode](rows).text
             if self._fits_tensions and not settles:
                 from heavylift.solver.statics.start_tensions import fit_start_tensions
 
-                self.start_text = fit_start_tensions(rows, ways[self._start_mode], self.start_text)
+                text = fit_start_tensions(rows, ways[self._start_mode], text)
+            return text
+
+        with compile_clock() as compiling:
+            if self._starts is not None and self._start_mode in AT_REST and not settles:
+                from heavylift.solver.start.kept import known_start
+
+                words = (self._start_mode, self._fits_tensions, self.integrator, self.step, self.tolerance)
+                self.start_text = known_start(rows, self._starts, words, search)
+            else:
+                self.start_text = search()
         if self._start_mode in AT_REST and not settles:
             self._check_strains()
         if any(kind.FLOATS for kind in self._layout.bodies):
@@ -486,6 +503,7 @@ class Simulation:
         self.warm_up()
         row = np.empty(self.column_count)
         self._write(row)
+        self._return.forget()
         return row
 
     def advance(self, steps: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -514,7 +532,10 @@ class Simulation:
             self._watch.add(begun)
             if self._left_range(begun) >= 0:
                 return np.empty(0), records[:0]
-        before = self.state()
+        heard = 0 if self.operation is None else self.operation.heard
+        if heard != self._heard or self._return.is_due(self.cpu_seconds):
+            self._return.take(list(self._carried.values()), first, self.cpu_seconds)
+            self._heard = heard
         begin = clock.thread_time()
         done = self._call(first, last, every, records)
         self.cpu_seconds += clock.thread_time() - begin
@@ -526,15 +547,13 @@ class Simulation:
             self._layout.work.status.words[:] = 0.0
         elif done < last:
             self._stop()
-            self._back_to(before, done, records)
+            self._back_to(first, done, records)
         count = int(done) // every - first // every
         beyond = self._left_range(records[:count], first // every + 1)
         if beyond >= 0:
-            assert self._range is not None
-            count, seen = beyond + 1, self._range.state
+            count = beyond + 1
             self.ended = False
-            self._back_to(before, (first // every + count) * every, records)
-            self._range.state = seen
+            self._back_to(first, (first // every + count) * every, records)
         self._watch.add(records[:count])
         if self._lone is not None:
             self._lone.add(records[:count])
@@ -546,31 +565,22 @@ class Simulation:
 
         The first of the records is the one with a `number` of the run.
         """
-        looks = self._watch.finite  # energies that are no numbers say enough
-        beyond = self._range.add(records) if self._range is not None and looks else -1
+        if self._range is None or not self._watch.finite:  # energies that are no numbers say enough
+            return -1
+        beyond = self._range.add(records)
         if beyond >= 0:
-            assert self._range is not None
             when = f"t = {(number + beyond) * self.record_every * self.step:.9g} s"
             self.outcome, self.message = Outcome.MODES_LEFT, self._range.message(when)
         return beyond
 
     def _call(self, first: int, last: int, every: int, records: NDArray[np.float64]) -> int:
         layout = self._layout
-        return int(
-            self._run(
-                layout.bodies,
-                layout.forces,
-                layout.joints,
-                layout.systems,
-                layout.work,
-                self.step,
-                self.tolerance,
-                first,
-                last,
-                every,
-                records,
+        if self._calls[0] is not layout:
+            call = self._run.with_first(
+                layout.bodies, layout.forces, layout.joints, layout.systems, layout.work
             )
-        )
+            self._calls = layout, call
+        return int(self._calls[1](self.step, self.tolerance, first, last, every, records))
 
     def _write(self, row: NDArray[np.float64]) -> None:
         layout = self._layout
@@ -580,13 +590,16 @@ class Simulation:
         self.outcome = Outcome(int(self._layout.work.status.outcome))
         self.message = stop_message(self._layout, f"t = {self.time:.9g} s (step {self.step_index})")
 
-    def _back_to(self, before: dict[str, NDArray[Any]], done: int, records: NDArray[np.float64]) -> None:
+    def _back_to(self, first: int, done: int, records: NDArray[np.float64]) -> None:
         """Repeat what was good: a step that fails at its end leaves no good state behind it."""
-        outcome, message, cpu = self.outcome, self.message, self.cpu_seconds
-        self.restore(before)
-        self._call(self.step_index, done, self.record_every, records)
+        at, every = self._return.index, self.record_every
+        self._return.put_back(list(self._carried.values()))
+        self._begin_again()
+        if at < first:
+            self._call(at, first, every, np.empty((first // every - at // every, self.column_count)))
+        self._call(first, done, every, records)
         self._layout.work.status.words[:] = 0.0
-        self.step_index, self.outcome, self.message, self.cpu_seconds = done, outcome, message, cpu
+        self.step_index = done
 
     @property
     def energy_drift(self) -> float:
@@ -647,7 +660,7 @@ class Simulation:
     def state(self) -> dict[str, NDArray[Any]]:
         """Everything that a bitwise identical continuation needs: arrays by name, copied."""
         self._start()
-        arrays = {name: array.copy() for name, array in self._arrays()}
+        arrays = {name: array.copy() for name, array in self._carried.items()}
         arrays["step_index"] = np.array(self.step_index, dtype=np.int64)
         arrays["cpu_seconds"] = np.array(self.cpu_seconds)
         arrays["watch"] = self._watch.state
@@ -667,7 +680,7 @@ class Simulation:
             If the state belongs to another scene.
         """
         self._start()  # what is derived from the start state and not carried
-        shapes = {name: array.shape for name, array in self._arrays()}
+        shapes = {name: array.shape for name, array in self._carried.items()}
         own = self._scene_digest
         for name, shape in {
             **shapes,
@@ -686,7 +699,7 @@ class Simulation:
                     key=name,
                     expected="the digest of these bodies" if foreign else f"an array of shape {shape}",
                 )
-        for name, array in self._arrays():
+        for name, array in self._carried.items():
             array[...] = state[name]
         self.step_index = int(state["step_index"])
         self.cpu_seconds = float(state["cpu_seconds"])
@@ -698,8 +711,13 @@ class Simulation:
         self.outcome, self.message = Outcome.COMPLETED, ""
         ended = self.operation is not None and int(self.operation.sequencer.state.outcome) < 0
         self.ended = ended and self.step_index % self.record_every == 0  # it continues to its next record
-        self._layout.work.status.words[:] = 0.0
         self._started = True
+        self._begin_again()
+        self._return.take(list(self._carried.values()), self.step_index, self.cpu_seconds)
+
+    def _begin_again(self) -> None:
+        """Forget what belongs to a state that is there no more."""
+        self._layout.work.status.words[:] = 0.0
         if self._touches:
             from heavylift.solver.contact.check_start import forget_trials
 
@@ -732,6 +750,13 @@ class Simulation:
                     digest.update(value.tobytes())
         return np.frombuffer(digest.digest(), dtype=np.uint8)
 
+    @property
+    def _carried(self) -> dict[str, NDArray[Any]]:
+        """The same by name, found once."""
+        if self._views[0] is not self._layout:
+            self._views = self._layout, dict(self._arrays())
+        return self._views[1]
+
     def _arrays(self) -> Iterator[tuple[str, NDArray[Any]]]:
         """Arrays that the step writes, by kind and field."""
         layout = self._layout
@@ -744,6 +769,17 @@ class Simulation:
 def _check_positive(key: str, value: float, expected: str) -> None:
     if not (value > 0.0 and math.isfinite(value)):
         raise InputError(f"{key} {value!r}", source="simulation", key=key, expected=expected)
+
+
+def _with_integration(scene: Scene, layout: Layout, module: Any) -> Layout:
+    """The layout with what the accurate integrator carries among its systems, and with its trees before."""
+    from heavylift.solver.integrate.trees.forest import make_forest
+
+    forest = make_forest(scene, layout)
+    trees = () if forest is None else (forest,)
+    sizes = None if forest is None else (forest.velocities, forest.coordinates)
+    own = module.make_integration(layout.bodies, layout.joints, layout.systems, layout.work, sizes)
+    return replace(layout, systems=Systems((*layout.systems, *trees, own), layout.systems.groups))
 
 
 def _relax(rows: Any) -> Any:

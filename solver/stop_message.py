@@ -455,7 +455,7 @@ def contact_warning(layout: Layout) -> str:
         if tally.rough:
             parts.append(
                 f"{tally.rough} times the impulses of contacts were found with a residual of up to"
-                f" {tally.roughest:.1g} of the largest rate only: try"
+                f" {tally.roughest:.1g} of the largest rate (at {tally.roughest_time:.6g} s) only: try"
                 f" {COMPLIANT_LAW if _has_rigid(layout) else 'a smaller step, or less friction'}"
             )
         parts += _contact_faults(layout, system)

@@ -8,7 +8,6 @@ tangents, velocity and Jacobian of a contour follow from a few control points, a
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -21,6 +20,7 @@ from heavylift.contours.splines.interpolation import (
     parameters_averaged,
 )
 from heavylift.contours.splines.packed_contour import PackedContour
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.records import records
 

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from heavylift.contours.splines.limits import LARGEST_DEGREE
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.outcome import InputError
 
 if TYPE_CHECKING:

@@ -75,12 +75,15 @@ class ContactList(Arrays):
         As many as fit in.
     table
         Slots of the hash table: places in the list, or -1; their number is a power of 2.
+    entered
+        How many slots have been taken since they were emptied, then these; shape (at least as many contacts + 1,).
     corners
         Of a triangle of B at the start, then at the end [m]; scratch, shape (6, 3).
     """
 
     contacts: Records[FoundContact]
     table: Ints1
+    entered: Ints1
     corners: Floats2
 
 
@@ -90,7 +93,8 @@ def make_contact_list(capacity: int) -> ContactList:
     while 2 * slots <= capacity:
         slots *= 2
     room = min(capacity - slots // 4, 3 * slots // 4)  # a full table would be searched for ever
-    return ContactList(records(FoundContact, room), np.full(slots, -1, dtype=np.int64), np.zeros((6, 3)))
+    table, entered = np.full(slots, -1, dtype=np.int64), np.zeros(room + 1, dtype=np.int64)
+    return ContactList(records(FoundContact, room), table, entered, np.zeros((6, 3)))
 
 
 @kernel(inline=True, internal=True)
@@ -175,7 +179,7 @@ def report(
     if vertex != UNIQUE:
         slots = table.shape[0]
         if found == 0:
-            clear(table)
+            clear(table, out.entered)
         n = normal_of(surfaces, meeting.motion, kind, feature_a, feature_b, verdict.side)
         slot = ((vertex * 0x9E3779B1) >> 7) & (slots - 1)
         while True:
@@ -203,11 +207,13 @@ def report(
                 return found
             slot = (slot + 1) & (slots - 1)
     elif found == 0:
-        clear(table)
+        clear(table, out.entered)
     if found >= contacts.shape[0]:
         return -2
     if vertex != UNIQUE:
         table[slot] = found
+        out.entered[0] += 1
+        out.entered[out.entered[0]] = slot
     new = contacts[found]
     new.kind, new.first, new.second = kind, feature_a, feature_b
     new.hit = hit
@@ -217,7 +223,8 @@ def report(
 
 
 @kernel(inline=True, internal=True)
-def clear(table: NDArray[np.int64]) -> None:
-    """Empty the table."""
-    for slot in range(table.shape[0]):
-        table[slot] = -1
+def clear(table: NDArray[np.int64], entered: NDArray[np.int64]) -> None:
+    """Empty the slots of the table that have been taken."""
+    for i in range(entered[0]):
+        table[entered[1 + i]] = -1
+    entered[0] = 0

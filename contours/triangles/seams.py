@@ -134,6 +134,14 @@ def _touching_of_one_size(
         found: NDArray[np.int64] = (cells[:, 0] * counts[1] + cells[:, 1]) * counts[2] + cells[:, 2]
         return found
 
+    def meeting(one: NDArray[np.int64], other: NDArray[np.int64]) -> NDArray[np.int64]:
+        kept = np.arange(len(one))
+        for axis in range(3):
+            low, high = lower[one[kept], axis], upper[one[kept], axis]
+            of_face = face_upper[other[kept], axis], face_lower[other[kept], axis]
+            kept = kept[(low <= of_face[0]) & (high >= of_face[1])]
+        return kept
+
     many = np.prod((cell(upper) - cell(lower) + 1).astype(np.float64), axis=1) > MOST_CELLS
     few = np.flatnonzero(~many)
     face, cells = _in_cells(faces, cell(face_lower[faces]), cell(face_upper[faces]))
@@ -146,12 +154,10 @@ def _touching_of_one_size(
     found = []
     for rows, places in _spread(begin, end):
         one, other = box[rows], face[places]
-        meet = np.flatnonzero(
-            np.all((lower[one] <= face_upper[other]) & (upper[one] >= face_lower[other]), axis=1)
-        )
-        one, other, asked_in = one[meet], other[meet], wanted[rows[meet]]
+        meet = meeting(one, other)
+        one, other, asked_in = one[meet], other[meet], asked[rows[meet]]
         # two boxes may share several cells, of which one has the lower corner of what they share
-        first = np.all(cell(np.maximum(lower[one], face_lower[other])) == asked_in, axis=1)
+        first = number(cell(np.maximum(lower[one], face_lower[other]))) == asked_in
         found.append((one[first], other[first]))
     large = np.flatnonzero(many)
     axis = int(np.argmax(np.ptp(face_lower[faces], axis=0)))
@@ -160,7 +166,7 @@ def _touching_of_one_size(
     end = np.searchsorted(face_lower[along, axis], upper[large, axis], side="right")
     for rows, places in _spread(begin, end):
         one, other = large[rows], along[places]
-        meet = np.all((lower[one] <= face_upper[other]) & (upper[one] >= face_lower[other]), axis=1)
+        meet = meeting(one, other)
         found.append((one[meet], other[meet]))
     return found
 
@@ -259,61 +265,107 @@ def _neighbours_of_edges(
     along = (end - start) / long[:, np.newaxis]
     across = np.cross(normals[faces], along)
     aside = np.einsum("ikj,ij->ik", points[corners[faces]] - start[:, np.newaxis], across)
-    found_edges: list[int] = []
-    found_points: list[int] = []
     order = np.argsort(edges, kind="stable")
     # an edge in one face is covered on the sides on which this has corners, if it is from end to end
     _, first_row, count = np.unique(edges[order], return_index=True, return_counts=True)
     alone = order[first_row[count == 1]]
     slack = 3.0 * tolerance / long[alone]
     alone = alone[(low[alone] <= slack) & (high[alone] + slack >= 1.0)]
+    found_edges, found_points = [], []
     for sign in (1.0, -1.0):
         reach = (sign * aside[alone]).max(axis=1)
         side = alone[reach > tolerance]
-        found_edges += edges[side].tolist()
-        found_points += corners[faces[side], (sign * aside[side]).argmax(axis=1)].tolist()
+        found_edges.append(edges[side])
+        found_points.append(corners[faces[side], (sign * aside[side]).argmax(axis=1)])
     order = order[np.repeat(count > 1, count)]
-    for rows in np.split(order, np.flatnonzero(np.diff(edges[order])) + 1):
-        if not len(rows):
-            continue
-        edge, slack = int(edges[rows[0]]), 3.0 * tolerance / long[rows[0]]
-        for group in _directions(across[rows]):
-            for sign in (1.0, -1.0):
-                sense = sign * group.sense
-                reach = (aside[rows[group.rows]] * sense[:, np.newaxis]).max(axis=1)
-                side = rows[group.rows][reach > tolerance]
-                if len(side) and _covered(low[side], high[side], slack):
-                    best = rows[group.rows][int(np.argmax(reach))]
-                    value = aside[best] * sense[int(np.argmax(reach))]
-                    found_edges.append(edge)
-                    found_points.append(int(corners[faces[best]][int(np.argmax(value))]))
-    return np.array(found_edges, dtype=np.int64), np.array(found_points, dtype=np.int64)
+    plane, sense = _planes(edges[order], across[order])
+    by_plane = np.argsort(plane, kind="stable")
+    rows, plane, sense = order[by_plane], plane[by_plane], sense[by_plane]
+    first_row = np.flatnonzero(np.diff(plane, prepend=-1))
+    number, places, ends_at = [], [], []
+    for k, sign in enumerate((1.0, -1.0)):
+        towards = aside[rows] * (sign * sense)[:, np.newaxis]
+        reach = towards.max(axis=1)
+        covered = _covered(plane, low[rows], high[rows], 3.0 * tolerance / long[rows], reach > tolerance)
+        # of the faces in a plane the one that reaches furthest
+        best = np.lexsort((-reach, plane))[first_row[covered]]
+        number.append(2 * np.flatnonzero(covered) + k)
+        places.append(edges[rows[best]])
+        ends_at.append(corners[faces[rows[best]], towards[best].argmax(axis=1)])
+    in_turn = np.argsort(np.concatenate(number))
+    found_edges.append(np.concatenate(places)[in_turn])
+    found_points.append(np.concatenate(ends_at)[in_turn])
+    return np.concatenate(found_edges), np.concatenate(found_points)
 
 
-class _Direction(NamedTuple):
-    """Faces at an edge in one plane: their rows, and whether they are wound as the first of them."""
+def _planes(
+    edges: NDArray[np.int64], across: NDArray[np.float64]
+) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+    """Group the faces at each edge by their planes; all edges take their next plane at once.
 
-    rows: NDArray[np.int64]
-    sense: NDArray[np.float64]
+    Parameters
+    ----------
+    edges
+        Edge of each face, ascending, shape (m,).
+    across
+        Perpendicular to the edge in the plane of the face, shape (m, 3).
 
-
-def _directions(across: NDArray[np.float64]) -> list[_Direction]:
-    """Group faces at an edge by their planes."""
-    left = np.arange(len(across))
-    groups = []
+    Returns
+    -------
+    tuple
+        Number of the plane, ascending from edge to edge, and whether the face is wound as the first in the plane
+        (1) or the other way (-1); shape (m,).
+    """
+    turn, sense = np.zeros(len(edges), dtype=np.int64), np.zeros(len(edges))
+    left, turns = np.arange(len(edges)), 0
     while len(left):
-        product = across[left] @ across[left[0]]
+        begins = np.flatnonzero(np.diff(edges[left], prepend=-1))
+        leader = np.repeat(left[begins], np.diff(begins, append=len(left)))
+        product = np.einsum("ij,ij->i", across[left], across[leader])
         same = np.abs(product) > 1.0 - 1e-4
-        groups.append(_Direction(left[same], np.sign(product[same])))
-        left = left[~same]
-    return groups
+        product[left == leader] = 1.0  # also of an edge so short that it is not level
+        same |= left == leader
+        turn[left[same]], sense[left[same]] = turns, np.sign(product[same])
+        left, turns = left[~same], turns + 1
+    _, number = np.unique(edges * turns + turn, return_inverse=True)
+    return number.astype(np.int64).ravel(), sense
 
 
-def _covered(low: NDArray[np.float64], high: NDArray[np.float64], slack: float) -> bool:
-    """Whether intervals cover that from 0 to 1 together."""
-    reached = slack
-    for row in np.argsort(low):
-        if low[row] > reached:
-            return False
-        reached = max(reached, high[row] + slack)
-    return reached >= 1.0
+def _covered(
+    group: NDArray[np.int64],
+    low: NDArray[np.float64],
+    high: NDArray[np.float64],
+    slack: NDArray[np.float64],
+    counts: NDArray[np.bool_],
+) -> NDArray[np.bool_]:
+    """Whether the intervals of each group that count cover that from 0 to 1 together; shape of the groups.
+
+    Parameters
+    ----------
+    group
+        Of each interval, ascending without gaps.
+    low, high
+        Ends of the intervals.
+    slack
+        Width of a gap that is none.
+    counts
+        Which of them count.
+    """
+    group_count = int(group.max(initial=-1)) + 1
+    chosen = np.flatnonzero(counts)
+    chosen = chosen[np.lexsort((low[chosen], group[chosen]))]
+    own = group[chosen]
+    reached = high[chosen] + slack[chosen]
+    # the furthest end so far, in steps of doubled width
+    width, longest = 1, int(np.bincount(own).max(initial=0))
+    while width < longest:
+        same = own[width:] == own[:-width]
+        reached[width:] = np.where(same, np.maximum(reached[width:], reached[:-width]), reached[width:])
+        width *= 2
+    begins = np.diff(own, prepend=-1) != 0
+    before = np.where(begins, slack[chosen], np.maximum(slack[chosen], np.roll(reached, 1)))
+    found = np.zeros(group_count, dtype=np.bool_)
+    last = np.diff(own, append=-1) != 0
+    found[own[last]] = np.maximum(slack[chosen], reached)[last] >= 1.0
+    found[own[low[chosen] > before]] = False
+    return found

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from heavylift.contours.triangles.seams import find_seams
+from heavylift.contours.triangles.seams import Seams, find_seams
 from heavylift.contours.triangles.surface_layout import (
     IS_FACE,
     OWNS_A,
@@ -19,6 +19,7 @@ from heavylift.contours.triangles.surface_layout import (
 )
 from heavylift.contours.triangles.surface_tree import build_tree
 from heavylift.numerics.arrays import Arrays, Floats1, Floats2, Ints1
+from heavylift.numerics.derived import derived
 from heavylift.numerics.records import R, Records, filled, records
 
 if TYPE_CHECKING:
@@ -29,6 +30,9 @@ if TYPE_CHECKING:
     from heavylift.preprocess.surfaces.triangle_surface import TriangleSurface
 
 __all__ = ["CollisionSurfaces", "pack_surfaces"]
+
+WORTH_KEEPING = 500
+"""Triangles, or edges of borders, from which on what follows from them is kept: of fewer it is computed faster."""
 
 FLATTEST_FACE = 1e-12
 """Smallest height over longest edge of a triangle that still has a normal."""
@@ -135,7 +139,7 @@ def pack_surfaces(
     -----
     A point that no triangle uses keeps its row, but nothing owns it: it never touches anything.
     """
-    parts = [_pack_one(surface) for surface in surfaces]
+    parts = [_part(surface) for surface in surfaces]
     table = records(PackedSurface, len(parts))
     triangles = _joined(Triangle, [part.triangles for part in parts])
     edges = _joined(Edge, [part.edges for part in parts])
@@ -187,8 +191,15 @@ def pack_surfaces(
     for one in np.unique(group):
         of_body = is_face & (group[triangles["surface"]] == one)
         borders = np.unique(of_faces[of_body][lone[of_body]])
-        seams = find_seams(points, triangles["corners"][of_body], normals[of_body], edges["ends"], borders)
-        edge_rows.append((seams.edges, seams.edge_opposite))
+        members = np.flatnonzero(group == one)
+        seams = _seams(
+            points,
+            np.concatenate([np.arange(first, first + count) for first, count in _rows_of(table[members])]),
+            triangles["corners"][of_body],
+            normals[of_body],
+            edges["ends"][borders],
+        )
+        edge_rows.append((borders[seams.edges], seams.edge_opposite))
         vertex_rows.append((seams.vertices, seams.vertex_neighbours))
     edge_first, owner, edge_opposite = _in_rows(edge_rows, len(edges))
     vertex_first, _, vertex_neighbours = _in_rows(vertex_rows, len(points))
@@ -215,10 +226,55 @@ def pack_surfaces(
     )
 
 
-def _pack_one(surface: TriangleSurface) -> _Part:
-    """Arrays of one surface."""
+def _rows_of(table: Records[PackedSurface]) -> list[tuple[int, int]]:
+    """First point and number of points of surfaces."""
+    return [(int(one.first_point), int(one.point_count)) for one in table]
+
+
+def _seams(
+    points: NDArray[np.float64],
+    own: NDArray[np.int64],
+    corners: NDArray[np.int64],
+    normals: NDArray[np.float64],
+    borders: NDArray[np.int64],
+) -> Seams:
+    """Seams of the surfaces of a body; where the points of others stand in the scene does not matter.
+
+    Parameters
+    ----------
+    points
+        Of the scene, shape (n, 3).
+    own
+        Those of the body, ascending.
+    corners, normals
+        Of its faces.
+    borders
+        Points of its borders, shape (nb, 2).
+
+    Returns
+    -------
+    Seams
+        Points of the scene; edges are rows of `borders`.
+    """
+    place = np.zeros(len(points), dtype=np.int64)
+    place[own] = np.arange(len(own))
+    rows = np.arange(len(borders))
+    inputs = points[own], place[corners], normals, place[borders], rows
+    found = derived(Seams, find_seams, *inputs) if len(rows) > WORTH_KEEPING else find_seams(*inputs)
+    return Seams(own[found.vertices], own[found.vertex_neighbours], found.edges, own[found.edge_opposite])
+
+
+def _part(surface: TriangleSurface) -> _Part:
+    """Arrays of one surface, as they are kept or made."""
     points = np.array(surface.points, dtype=np.float64)
     given = np.asarray(surface.triangles, dtype=np.int64)
+    if len(given) <= WORTH_KEEPING:
+        return _pack_one(points, given)
+    return derived(_Part, _pack_one, points, given, rows=(Triangle, Edge, TreeNode, BoundingBox))
+
+
+def _pack_one(points: NDArray[np.float64], given: NDArray[np.int64]) -> _Part:
+    """Arrays of one surface."""
     corners = points[given]
     lower, upper = corners.min(axis=1), corners.max(axis=1)
     tree = build_tree(lower, upper)

@@ -7,11 +7,11 @@ rest at p.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.rotation import rotation_matrix
 from heavylift.pipeline.assemble.frames import assemble_rigid, start_of_frame
 from heavylift.pipeline.case.connectivity import connected_to_hull, shared_with_hulls

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import contextlib
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.memory import refuse_beyond_memory
 from heavylift.numerics.outcome import InputError
 from heavylift.pipeline.assemble.described import assemble

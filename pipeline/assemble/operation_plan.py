@@ -8,12 +8,12 @@ timeout, so values are between two from there on, until something goes to a plac
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.jit import in_python
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.records import records

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.rotation import quaternion_from_rotation_vector, rotation_matrix
 from heavylift.pipeline.case.fields import GROUND
 from heavylift.solver.scene import scene as s

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections import Counter
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import TYPE_CHECKING
 
+from heavylift.numerics.classes import dataclass
 from heavylift.solver.scene.channels import (
     EnergyOutputs,
     MomentumOutputs,
@@ -54,6 +55,10 @@ RESERVED_NAMES = frozenset({"energy", "momentum", "time", "monitor", "scenario",
 
 COLLISION_CONTACT = {channel.name: channel.quantity for channel in Collision.CONTACT_CHANNELS}
 """Last parts of the channels of each recorded contact of a collision, ``NAME.contact_1.point``: name to kind."""
+_ELSEWHERE = frozenset(
+    id(channel) for own in (Collision.CONTACT_CHANNELS, *OF_THE_SCENE.values()) for channel in own
+)
+"""Channels that are no last part of the name of a thing, by identity: others of the same name may be."""
 MESH_TYPES = frozenset({"frame", "rod", "shell"})
 """Types of bodies made of elements, whose channels have a component for every node or element."""
 
@@ -63,12 +68,11 @@ CONTOUR_TYPES = frozenset({"surface", "curve", "cylinder", "band"})
 
 def all_channels() -> dict[str, str]:
     """Every last part of a channel that anything in the cases read so far may have: name to kind."""
-    elsewhere = [*Collision.CONTACT_CHANNELS, *(channel for own in OF_THE_SCENE.values() for channel in own)]
     found = {}
     for name, channels in known_channels().items():
-        own = [channel for channel in channels if all(channel is not other for other in elsewhere)]
-        if own:
-            found[name] = own[0].quantity
+        own = next((channel for channel in channels if id(channel) not in _ELSEWHERE), None)
+        if own is not None:
+            found[name] = own.quantity
     return found
 
 

@@ -63,6 +63,8 @@ class Combination(NamedTuple):
 
 def _split(text: str, at: str) -> list[str]:
     """Parts of a text between separators outside of parentheses and brackets."""
+    if not any(letter in text for letter in "()[]"):
+        return text.split(at)
     parts, depth = [""], 0
     for letter in text:
         depth += (letter in "([") - (letter in ")]")

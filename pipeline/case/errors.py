@@ -121,7 +121,7 @@ def _words(item: Mapping[str, Any], value: Any, candidates: Iterable[type[BaseMo
         return context["problem"], context["expected"]
     if isinstance(context.get("error"), InputError):
         return context["error"].problem, context["error"].expected
-    if kind == "missing" and isinstance(value, list):
+    if kind == "missing" and isinstance(value, list) and isinstance(item["loc"][-1], int):
         return f"{value!r} has {len(value)} entries", f"at least {int(item['loc'][-1]) + 1}"
     if kind == "missing":
         return "is missing", "a value"

@@ -463,9 +463,8 @@ def channel_kind(name: str, text: str, names: Declared | None) -> Kind:
         return combined
     owner, _, last = name.partition(".")
     scene = owner in RESERVED_NAMES
-    known: Mapping[str, str] = SCENE_CHANNELS if scene else all_channels()
-    if not scene and names is not None:
-        known = dict(names.channels.get(owner, known))
+    own = SCENE_CHANNELS if scene else None if names is None else names.channels.get(owner)
+    known: Mapping[str, str] = all_channels() if own is None else own
     key = name if scene else last
     number, dot, kind = last.partition(".")
     if not scene and _CONTACT.fullmatch(number):

@@ -9,12 +9,13 @@ are reported at the place in the file that the user wrote.
 
 import copy
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import BeforeValidator, Field, WithJsonSchema, create_model
 
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.outcome import InputError
 from heavylift.pipeline.case.arithmetic import Numbers, filled, value_of
 from heavylift.pipeline.case.fields import LengthVector, Section, reject

@@ -8,19 +8,20 @@ them.
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass
 from functools import cache, partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from heavylift.numerics.classes import dataclass
+from heavylift.numerics.derived import derived
 from heavylift.numerics.outcome import InputError
 from heavylift.pipeline.assemble.modes import flexibility_of
 from heavylift.pipeline.case.steel import STEEL_SOURCE, thickest, yield_strengths
 from heavylift.pipeline.case.stress import HotSpotSection, StressGroupSection
 from heavylift.pipeline.log import Log
 from heavylift.pipeline.results.model_io import read_header, read_model, read_reduced
-from heavylift.pipeline.results.provenance import modes_digest, source_digest
+from heavylift.pipeline.results.provenance import mesh_digest, modes_digest, source_digest
 from heavylift.pipeline.results.storage import digest_bytes, digest_json
 from heavylift.pipeline.results.stress_io import (
     BodyStress,
@@ -99,14 +100,28 @@ def check_stress_tables(case: Case, folder: OutputFolder) -> None:
         The first of them, with its key.
     """
     for name, body in case.bodies.items():
+        section: Any = body
         if getattr(body, "stress", None) is None or not folder.model(name).is_file():
             continue
-        section: Any = body
-        model = read_model(folder.model(name))
-        _groups(case, name, section, model, _parts(case, name, section, model))
-        still = np.zeros((model.dof_count, 1))
-        for index, spot in enumerate(section.stress.hot_spots):
-            _hot_spot(case, name, index, spot, model, still)
+
+        def check(_: str, name: str = name, section: Any = section) -> _Sound:
+            model = read_model(folder.model(name))
+            groups = _groups(case, name, section, model, _parts(case, name, section, model))
+            still = np.zeros((model.dof_count, 1))
+            for index, spot in enumerate(section.stress.hot_spots):
+                _hot_spot(case, name, index, spot, model, still)
+            return _Sound(len(groups), len(section.stress.hot_spots))
+
+        # where all was sound there is nothing to tell of the same tables and the same model
+        asked = {"model": mesh_digest(case, section), "stress": section.stress.model_dump(mode="json")}
+        derived(_Sound, check, digest_json({"sources": source_digest("stress"), **asked}))
+
+
+class _Sound(NamedTuple):
+    """How many groups and hot spots can be evaluated: all."""
+
+    groups: int
+    hot_spots: int
 
 
 def _digest(case: Case, name: str, results: Results) -> str:

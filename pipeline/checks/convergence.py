@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+
+from heavylift.numerics.classes import dataclass
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

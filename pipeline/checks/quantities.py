@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 from copy import copy
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.outcome import InputError
 from heavylift.pipeline.case.quantity_names import ACROSS
 from heavylift.pipeline.case.rope_parts import words_of_inner_ropes

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from statistics import median
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.pipeline.case.case_file import load_case
 from heavylift.pipeline.case.checks import QuantityReference, RunReference

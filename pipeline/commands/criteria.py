@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 import textwrap
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.outcome import InputError, Outcome
 
 if TYPE_CHECKING:

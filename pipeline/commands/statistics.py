@@ -7,12 +7,12 @@ import io
 import math
 import os
 import shutil
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 import numpy as np
 
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.pipeline.pictures.plots import few_colours, figure_png
 from heavylift.pipeline.results.signals import scaled_unit

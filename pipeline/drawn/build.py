@@ -7,11 +7,12 @@ the shapes that their recorded nodes give; all else is fixed to points of them.
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass, fields
+from dataclasses import fields
 from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.rotation import rotation_matrix
 from heavylift.pipeline.drawn.contours import ContourShape, contour_shape

@@ -7,11 +7,12 @@ the points of its surface. Times of records stand on timelines, which may have f
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.rotation import rotation_matrix
 from heavylift.pipeline.drawn.roles import ROLES
 from heavylift.solver.scene.outlines import bar

@@ -12,13 +12,13 @@ hold the block against turning about the vertical: sum T a^2/H. It does not tilt
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import numpy as np
 from annotated_types import Interval
 from numpy.typing import NDArray
 
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.quantity import Absent, BodyPoint, NameOf, Positive, Quantity, Square
 from heavylift.pipeline.equipment.moves import Move, check_moves, speeds_of

@@ -13,13 +13,13 @@ the winch pays out ``n dz_j + dl_j``.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import numpy as np
 from annotated_types import Interval
 from numpy.typing import NDArray
 
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.quantity import Absent, Least, NameOf, Positive, Quantity, Shape
 from heavylift.pipeline.equipment.falls import FallsRope, HookBlock, limit_winch, sheaves_aside, without_winch

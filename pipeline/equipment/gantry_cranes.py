@@ -10,12 +10,12 @@ A load on a rope of length l that is accelerated by a for the time t of a ramp s
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import numpy as np
 from annotated_types import Interval
 
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.quantity import InWorld, Least, Positive, Quantity
 from heavylift.pipeline.equipment.falls import FallsRope, HookBlock

@@ -10,12 +10,12 @@ by the stiffness of the bearings, and no row is redundant. A load f at the dista
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.quantity import BodyPoint, NameOf, Positive, Quantity
 from heavylift.pipeline.equipment.parts import EQUIPMENT, Equipment, heading, listed

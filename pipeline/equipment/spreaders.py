@@ -8,12 +8,12 @@ it, so that it hangs upright.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.quantity import Absent, BodyPoint, Least, NameOf, Positive, Quantity, Square
 from heavylift.pipeline.equipment.equalizers import EqualizerHook, EqualizerRope

@@ -8,11 +8,11 @@ fairlead, constant, over the next interval. So only that difference lags, by hal
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.numerics.rotation import rotation_matrix
 from heavylift.pipeline.moordyn.lines import MoorDynLine, moordyn_package, quasi_static_force, work_folder

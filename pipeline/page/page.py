@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 from html import escape
 from importlib.metadata import version
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from heavylift.numerics.classes import dataclass
 from heavylift.pipeline.drawn.lines import coil
 from heavylift.pipeline.drawn.roles import FORCE_COLOUR
 from heavylift.pipeline.drawn.scene import POSES, SHAPES, TOUCHES, DrawnScene

@@ -5,13 +5,14 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import cache
 from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
 from heavylift.numerics.children import NEUTRAL_FOLDER, python_command
+from heavylift.numerics.classes import dataclass
 
 if TYPE_CHECKING:
     from types import TracebackType
@@ -27,6 +28,7 @@ __all__ = [
     "Points",
     "Renderer",
     "RenderingUnavailableError",
+    "has_drawn",
     "rendering_backend",
     "rgb",
 ]
@@ -54,6 +56,15 @@ _FINER = (
 )
 # seen from the camera (right, up, towards it): one at the observer, one from above
 _LIGHTS = (((0.1, 0.15, 1.0), 0.75), ((0.0, 1.0, 0.3), 0.3))
+
+
+_OPENED: list[tuple[int, int]] = []
+"""Sizes of the windows that this process has opened."""
+
+
+def has_drawn() -> bool:
+    """Whether this process has opened a window: drivers have threads from then on, and a copy would miss them."""
+    return bool(_OPENED)
 
 
 class RenderingUnavailableError(RuntimeError):
@@ -257,6 +268,7 @@ class Renderer:
                 light = pyvista.Light(position=position, intensity=intensity, light_type="camera light")
                 plotter.add_light(light)
             self._plotters[size] = plotter
+            _OPENED.append(size)
         return self._plotters[size]
 
     @staticmethod

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import base64
 import re
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from html import escape
 from typing import TYPE_CHECKING
 
+from heavylift.numerics.classes import dataclass
 from heavylift.pipeline.results.storage import replacing
 
 if TYPE_CHECKING:

@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
+import contextlib
+import importlib
 import re
+from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from importlib.metadata import version
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from heavylift.numerics.outcome import Outcome
+from heavylift.numerics.side_by_side import SideBySide
 from heavylift.pipeline.checks.hanging import hanging_warnings
 from heavylift.pipeline.checks.judge import judge
+from heavylift.pipeline.log import KeptLog, Log
 from heavylift.pipeline.page.packing import LibraryMissingError, page_parts
-from heavylift.pipeline.pictures.render import Renderer, RenderingUnavailableError
+from heavylift.pipeline.pictures.render import Renderer, RenderingUnavailableError, has_drawn
 from heavylift.pipeline.report.bodies import body_sections
 from heavylift.pipeline.report.collisions import collision_sections, surface_sections
 from heavylift.pipeline.report.contacts import contact_sections
@@ -49,16 +55,42 @@ from heavylift.pipeline.report.transport import transport_section
 from heavylift.pipeline.results.storage import OutputFolder, replacing
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Collection, Mapping, Sequence
+    from collections.abc import Collection, Mapping, Sequence
     from pathlib import Path
 
     from heavylift.pipeline.case.case_file import Case
     from heavylift.pipeline.case.criteria.results import CriterionResult
     from heavylift.pipeline.checks.quantities import CheckResult
-    from heavylift.pipeline.log import Log
     from heavylift.pipeline.results.histories import Results
 
 __all__ = ["judged_run", "write_report"]
+
+_Make = Callable[[Album, "Log | None"], "list[Section]"]
+"""Makes sections with pictures."""
+
+
+class _Judged(NamedTuple):
+    """How a run is judged, and the sections that tell it."""
+
+    run: JudgedRun
+    criteria: list[Section]
+    lift: list[Section]
+
+
+class _Plotted(NamedTuple):
+    """Sections with plots."""
+
+    transport: list[Section]
+    sea: list[Section]
+    history: list[Section]
+
+
+class _Made(NamedTuple):
+    """Sections that take long: of drawn parts in their order, of what is judged, of plots."""
+
+    drawn: list[list[Section]]
+    judged: _Judged
+    plotted: _Plotted
 
 
 def write_report(
@@ -104,22 +136,44 @@ def write_report(
     touching = results is not None and bool(case.contacts or case.collisions) and len(results.time) > 0
     pictured = results is not None and len(results.time) > 0 and is_pictured(case)
     renderer, remedy = _renderer() if flexible or moved or touching or pictured else (None, "")
-    sections: list[Section] = [
-        *rigid_sections(case),
-        *described_sections(case),
-        *mesh_sections(case, results),
+    drawn: list[_Make] = [
+        partial(still_sections, case, stages, results, renderer),
+        *(
+            partial(body_sections, case, name, body, stages, results, renderer)
+            for name, body in flexible.items()
+        ),
+        partial(scene_sections, case, stages, results, renderer),
+        lambda album, _log: contact_sections(case, stages, results, renderer, album),
+        lambda album, _log: collision_sections(case, stages, results, renderer, album),
     ]
+
+    def judged_part(album: Album) -> _Judged:
+        judgement = judged_run(case, stages, results, problem)
+        found, missing = judgement.criteria, judgement.open_criteria
+        of_criteria = criteria_section(case, out, results, found, missing, album)
+        return _Judged(judgement, [*of_criteria], [*lift_section(case, results, album)])
+
+    def plotted_part(album: Album) -> _Plotted:
+        return _Plotted(
+            [*transport_section(case, stages, results, album)],
+            [*sea_sections(case, stages, results)],
+            [*history_section(case, stages, results, album)],
+        )
+
+    # stress over the run is made where it is drawn, and criteria are judged by it
+    first = not any(getattr(body, "stress", None) for body in flexible.values())
     try:
-        stills = still_sections(case, stages, results, renderer, album, log)
-        for name, body in flexible.items():
-            sections += body_sections(case, name, body, stages, results, renderer, album, log)
-        sections += scene_sections(case, stages, results, renderer, album, log)
-        touches = contact_sections(case, stages, results, renderer, album)
-        touches += collision_sections(case, stages, results, renderer, album)
+        made = _side_by_side(
+            drawn, judged_part, plotted_part, album, log, alone=renderer is None, judge_first=first
+        )
+        if made is None:
+            pictured_sections = [make(album, log) for make in drawn]
+            made = _Made(pictured_sections, judged_part(album), plotted_part(album))
     finally:
         if renderer is not None:
             renderer.close()
-    judgement = judged_run(case, stages, results, problem)
+    stills, *pictured_sections, touches, colliding = made.drawn
+    judgement = made.judged.run
     if tell is not None:
         tell(judgement)
     judged, open_criteria, verdict = judgement.criteria, judgement.open_criteria, judgement.verdict
@@ -129,20 +183,24 @@ def write_report(
         subtitle=f"case {case.name} · heavylift {version('heavylift')}",
         sections=(
             Section("", (verdict, *warnings)),
-            *criteria_section(case, out, results, judged, open_criteria, album),
-            *lift_section(case, results, album),
+            *made.judged.criteria,
+            *made.judged.lift,
             *([_check_section(judgement.checks, judgement.open_checks)] if case.check else []),
             *stills,
             input_section(case),
             *run_section(case, stages, results),
             *operation_section(results),
-            *transport_section(case, stages, results, album),
+            *made.plotted.transport,
             *surface_sections(case, stages),
-            *sea_sections(case, stages, results),
-            *sections,
+            *made.plotted.sea,
+            *rigid_sections(case),
+            *described_sections(case),
+            *mesh_sections(case, results),
+            *(section for sections in pictured_sections for section in sections),
             *edge_sections(case, results),
             *touches,
-            *history_section(case, stages, results, album),
+            *colliding,
+            *made.plotted.history,
             *provenance_section(case, stages),
         ),
     )
@@ -173,6 +231,54 @@ def write_report(
     for name in before - set(album.pictures):
         (folder / name).unlink(missing_ok=True)
     return files + [folder / name for name in album.pictures]
+
+
+def _side_by_side(
+    drawn: Sequence[_Make],
+    judge_all: Callable[[Album], _Judged],
+    plot_all: Callable[[Album], _Plotted],
+    album: Album,
+    log: Log | None,
+    *,
+    alone: bool,
+    judge_first: bool,
+) -> _Made | None:
+    """Sections whose bodies are drawn by other processes, while this one plots; None if it is to do all by itself.
+
+    So it is where no other may, and where two parts have pictures of one name, which follow each other then.
+    """
+    parts = [partial(_drawn_part, make, album.folder, log) for make in drawn]
+    with SideBySide(parts, alone=alone or has_drawn()) as processes:
+        if processes.count == 1:
+            return None
+        for module in ("pyvista", "matplotlib.pyplot"):  # once, not in each process
+            with contextlib.suppress(ImportError):
+                importlib.import_module(module)
+        processes.begin(processes.count - 1)
+        of_judged, of_plotted = Album(album.folder), Album(album.folder)
+        judged = judge_all(of_judged) if judge_first else None
+        plotted = plot_all(of_plotted)
+        found = []
+        for sections, pictures, lines in processes.results():
+            found.append((sections, pictures))
+            for line in lines:
+                (log or Log(quiet=True)).say(line)
+    judged = judged or judge_all(of_judged)
+    contents = [*(pictures for _, pictures in found), of_judged.pictures, of_plotted.pictures]
+    for content in contents:
+        album.pictures.update(content)
+    if len(album.pictures) < sum(map(len, contents)):
+        album.pictures.clear()
+        return None
+    return _Made([sections for sections, _ in found], judged, plotted)
+
+
+def _drawn_part(
+    make: _Make, folder: Path, log: Log | None
+) -> tuple[list[Section], dict[str, bytes], list[str]]:
+    """Sections, their pictures and what is to be said of them."""
+    album, said = Album(folder), KeptLog(quiet=log is None or log.quiet)
+    return make(album, said), album.pictures, said.lines
 
 
 def judged_run(case: Case, stages: OutputFolder, results: Results | None, problem: str = "") -> JudgedRun:

@@ -10,11 +10,12 @@ from __future__ import annotations
 
 import contextlib
 import json
+import math
 import os
 import re
 import zipfile
 import zlib
-from functools import cached_property
+from functools import cache, cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -567,7 +568,7 @@ def _read_merged(file: Path) -> Results:
         group = content["channels"].id
         for name in json.loads(content.attrs["channel_order"]):
             place = h5py.h5d.open(group, name.encode())
-            unit, components, column = (_attribute(place, key) for key in (b"unit", b"components", b"column"))
+            unit, components, column = _attributes(place)
             channels[name] = ChannelInfo(name, unit, tuple(json.loads(components)), column)
     return Results(file, time, channels, _Hdf5Columns(file), metadata, file)
 
@@ -638,6 +639,7 @@ def merge_segments(
             time.attrs["unit"] = "s"
             time.attrs["description"] = "simulated time of the records"
             group = target.create_group("channels")
+            new = _NewChannels(group.id, count)
             first = 0
             for times, records in _batches(segments_folder, expected, width):
                 rows = slice(first, first + len(times))
@@ -646,67 +648,110 @@ def merge_segments(
                 for channel in channels:
                     # a channel is made when its first records are there: HDF5 then writes it once
                     if not first:
-                        made = _new_channel(group.id, channel, descriptions[channel.name], count)
+                        made = new.make(channel, descriptions[channel.name])
                     else:
                         made = h5py.h5d.open(group.id, channel.name.encode())
                     values = np.ascontiguousarray(
                         records[channel.column : channel.column + len(channel.components)].T
                     )
-                    _put(made, first, values)
+                    _put(made, first, values, count)
                     sums[channel.name] = _sum(values, sums[channel.name])
                 first = rows.stop
         _read_back(temporary, of_times, sums)
 
 
-def _new_channel(group: Any, channel: ChannelInfo, description: str, count: int) -> Any:
-    """Data set of a channel, by the calls of the library itself: there may be thousands."""
+class _NewChannels:
+    """Makes data sets of channels by the calls of the library itself: there may be thousands.
+
+    Parameters
+    ----------
+    group
+        Where they are made.
+    count
+        Records.
+    """
+
+    def __init__(self, group: Any, count: int) -> None:
+        import h5py
+
+        self._group, self._count = group, count
+        # each handle of the library takes its time: what all channels share is made once
+        self._link = h5py.h5p.create(h5py.h5p.LINK_CREATE)
+        self._link.set_create_intermediate_group(True)
+        self._scalar, self._text = h5py.h5s.create(h5py.h5s.SCALAR), h5py.string_dtype()
+        self._text_type, self._object = h5py.h5t.py_create(self._text, logical=True), _text_in_memory()
+        self._shapes: dict[int, tuple[Any, Any]] = {}
+
+    def make(self, channel: ChannelInfo, description: str) -> Any:
+        """An empty data set with unit, components, description and column."""
+        import h5py
+
+        creation, space = self._shape(len(channel.components))
+        name = channel.name.encode()
+        made = h5py.h5d.create(self._group, name, h5py.h5t.IEEE_F64LE, space, creation, self._link)
+        texts = {
+            b"unit": channel.unit,
+            b"components": json.dumps(channel.components),
+            b"description": description,
+        }
+        for key, value in texts.items():
+            attribute = h5py.h5a.create(made, key, self._text_type, self._scalar)
+            attribute.write(np.array(value, dtype=self._text), self._object)
+        column = h5py.h5a.create(made, b"column", h5py.h5t.STD_I64LE, self._scalar)
+        column.write(np.array(channel.column, dtype=np.int64), h5py.h5t.NATIVE_INT64)
+        return made
+
+    def _shape(self, width: int) -> tuple[Any, Any]:
+        """How channels of a width are stored, and their extent."""
+        import h5py
+
+        if width not in self._shapes:
+            creation = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
+            pieces = _chunks(self._count, width)
+            if pieces:
+                creation.set_chunk(pieces["chunks"])
+                creation.set_fletcher32()
+            self._shapes[width] = creation, h5py.h5s.create_simple((self._count, width))
+        return self._shapes[width]
+
+
+def _put(place: Any, first: int, values: NDArray[np.float64], count: int) -> None:
+    """Write rows of a data set of `count` rows, from the first on."""
     import h5py
 
-    shape = (count, len(channel.components))
-    pieces = _chunks(*shape)
-    creation = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
-    if pieces:
-        creation.set_chunk(pieces["chunks"])
-        creation.set_fletcher32()
-    link = h5py.h5p.create(h5py.h5p.LINK_CREATE)
-    link.set_create_intermediate_group(True)
-    space, name = h5py.h5s.create_simple(shape), channel.name.encode()
-    made = h5py.h5d.create(group, name, h5py.h5t.IEEE_F64LE, space, creation, link)
-    texts = {"unit": channel.unit, "components": json.dumps(channel.components), "description": description}
-    scalar, text = h5py.h5s.create(h5py.h5s.SCALAR), h5py.string_dtype()
-    for key, value in texts.items():
-        of_type = h5py.h5t.py_create(text, logical=True)
-        h5py.h5a.create(made, key.encode(), of_type, scalar).write(np.array(value, dtype=text))
-    h5py.h5a.create(made, b"column", h5py.h5t.STD_I64LE, scalar).write(np.array(channel.column))
-    return made
-
-
-def _put(place: Any, first: int, values: NDArray[np.float64]) -> None:
-    """Write rows of a data set, from the first on."""
-    import h5py
-
-    if values.size:
+    if values.size and len(values) == count:
+        place.write(h5py.h5s.ALL, h5py.h5s.ALL, values, h5py.h5t.NATIVE_DOUBLE)
+    elif values.size:
         space = place.get_space()
         space.select_hyperslab((first, 0), values.shape)
         place.write(h5py.h5s.create_simple(values.shape), space, values)
 
 
-def _attribute(place: Any, key: bytes) -> Any:
-    """Attribute of a data set, a number or a text, by the calls of the library itself."""
+def _attributes(place: Any) -> tuple[str, str, int]:
+    """Unit, components and column of a data set, by the calls of the library itself."""
     import h5py
 
-    attribute = h5py.h5a.open(place, key)
-    value = np.empty((), dtype=attribute.dtype)
-    attribute.read(value)
-    found = value.item()
-    return found.decode() if isinstance(found, bytes) else found
+    texts, column = np.empty(2, dtype=object), np.empty((), dtype=np.int64)
+    for index, key in enumerate((b"unit", b"components")):
+        h5py.h5a.open(place, key).read(texts[index : index + 1].reshape(()), _text_in_memory())
+    h5py.h5a.open(place, b"column").read(column, h5py.h5t.NATIVE_INT64)
+    unit, components = (text.decode() if isinstance(text, bytes) else str(text) for text in texts)
+    return unit, components, int(column)
+
+
+@cache
+def _text_in_memory() -> Any:
+    """Type of texts in Python, made once: each handle of the library takes its time."""
+    import h5py
+
+    return h5py.h5t.py_create(h5py.string_dtype())
 
 
 def _chunks(count: int, *width: int) -> dict[str, Any]:
     """Pieces of a channel: as few as `CHUNK` allows and all as large as the last, so that none is half empty."""
     if not count:
         return {}
-    bytes_of_record = 8 * int(np.prod(width))
+    bytes_of_record = 8 * math.prod(width)
     pieces = -(-count * bytes_of_record // CHUNK)
     # each piece has a checksum, so that a bit that is wrong later is an error of whoever reads it
     return {"chunks": (max(1, -(-count // pieces)), *width), "fletcher32": True}
@@ -764,8 +809,12 @@ def _sum_on_disk(dataset: Any) -> int:
     import h5py
 
     count, *width = dataset.shape
-    most = max(1, BATCH // (8 * int(np.prod(width))))
+    most = max(1, BATCH // (8 * math.prod(width)))
     found = 0
+    if 0 < count <= most:
+        values = np.empty((count, *width))
+        dataset.read(h5py.h5s.ALL, h5py.h5s.ALL, values, h5py.h5t.NATIVE_DOUBLE)
+        return _sum(values)
     for first in range(0, count, most):
         values = np.empty((min(most, count - first), *width))
         space = dataset.get_space()

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
+from heavylift.numerics.classes import dataclass
 from heavylift.pipeline.results.model_io import replacing_hdf5
 
 if TYPE_CHECKING:

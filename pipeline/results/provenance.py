@@ -68,6 +68,7 @@ STAGE_SOURCES = {
         "pipeline/stages/advance.py",
         "pipeline/stages/simulate.py",
     ),
+    "start": ("contours", "numerics", "solver"),
     "stress": (
         "modal",
         "preprocess/structures",
@@ -111,9 +112,11 @@ STAGE_PACKAGES = {
     "mesh": ("numpy", "scipy", "gmsh", "meshio", "scikit-fem"),
     "modes": ("numpy", "scipy", "scikit-sparse", "pypardiso"),
     "simulate": ("numpy", "numba"),
+    "start": ("numpy", "scipy", "numba"),
     "report": ("numpy", "matplotlib", "pyvista", "k3d"),
     "surfaces": ("numpy", "scipy", "trimesh", "gmsh", "meshio"),
     "hydrodynamics": ("numpy", "scipy", "h5py", "capytaine"),
+    "derived": ("numpy", "scipy", "numba"),
 }
 """Packages whose versions are recorded with the outputs of a stage."""
 

@@ -6,12 +6,13 @@ Sources: DNV-RP-C205 (2019), sections 3.5 and 3.6; E. J. Gumbel, *Statistics of 
 from __future__ import annotations
 
 import math
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, replace
 from functools import cache
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.outcome import InputError
 from heavylift.pipeline.case.channel_names import split_name
 

@@ -9,9 +9,9 @@ import io
 import json
 import os
 import re
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.outcome import InputError, Outcome
 
 if TYPE_CHECKING:
@@ -61,7 +61,7 @@ class OutputFolder:
     @property
     def folders(self) -> tuple[Path, ...]:
         """Where files are made, replaced and removed: the root, and what is below it, a folder before its parts."""
-        stages = ("check", "mesh", "modes", "simulate", "stress", "report", "draw", "export")
+        stages = ("check", "derived", "mesh", "modes", "simulate", "stress", "report", "draw", "export")
         return (self.root, *(self.root / name for name in stages), self.segments)
 
     def stage(self, *names: str) -> Path:
@@ -86,6 +86,11 @@ class OutputFolder:
     def manifest(self, stage: str) -> Path:
         """Manifest of a stage."""
         return self.root / stage / "manifest.json"
+
+    @property
+    def derived(self) -> Path:
+        """Folder of what follows from inputs alone, see `heavylift.pipeline.results.derived_files`."""
+        return self.root / "derived"
 
     def model(self, body: str) -> Path:
         """Finite-element model of a body."""
@@ -129,6 +134,11 @@ class OutputFolder:
     def results(self) -> Path:
         """Time histories of a finished simulation."""
         return self.root / "simulate" / "results.h5"
+
+    @property
+    def start(self) -> Path:
+        """Equilibrium that a simulation started from."""
+        return self.root / "simulate" / "start.npz"
 
     @property
     def segments(self) -> Path:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Annotated, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.quantity import BodyDirection, Positive
 from heavylift.pipeline.shapes.shape import SHAPES, SurfaceShape
 from heavylift.preprocess.surfaces.primitives import capsule_surface

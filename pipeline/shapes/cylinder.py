@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Annotated, Any, ClassVar
 
 import numpy as np
 from annotated_types import Interval
 from numpy.typing import NDArray
 
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.quantity import BodyDirection, Positive
 from heavylift.pipeline.shapes.shape import SHAPES, SurfaceShape
 from heavylift.preprocess.surfaces.primitives import cylinder_surface

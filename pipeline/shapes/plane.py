@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.quantity import Positive
 from heavylift.pipeline.shapes.shape import SHAPES, SurfaceShape
 from heavylift.preprocess.surfaces.primitives import plane_surface

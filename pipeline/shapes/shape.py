@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.quantity import Positive, Quantity, Shape
 from heavylift.preprocess.surfaces.exclusion import ExclusionBox
 from heavylift.preprocess.surfaces.triangle_surface import TriangleSurface

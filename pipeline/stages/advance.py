@@ -6,11 +6,12 @@ import contextlib
 import signal
 import threading
 import time
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.outcome import Outcome
 from heavylift.pipeline.results.histories import (
     Segment,

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import csv
 import math
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from heavylift.numerics.classes import dataclass
 from heavylift.pipeline.pictures.hull_plots import righting_arm_plot
 from heavylift.pipeline.results.storage import replacing, write_json
 from heavylift.preprocess.hydrodynamics.hull_surface import check_hull

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import time
 from typing import TYPE_CHECKING
 
 from heavylift.numerics.outcome import Outcome
+from heavylift.numerics.side_by_side import cpu_seconds
 from heavylift.pipeline.results.provenance import report_digest, source_digest, versions
 from heavylift.pipeline.results.storage import read_json, stored, unchanged, write_json
 from heavylift.pipeline.stages.work import StageReport
@@ -39,13 +39,13 @@ def report_stage(work: Work) -> StageReport:
         work.log.say("report: files are missing or damaged, written again")
     from heavylift.pipeline.report.report import write_report
 
-    begin = time.process_time()
+    begin = cpu_seconds()
     folder.mkdir(parents=True, exist_ok=True)
     judged: list[JudgedRun] = []
     paths = write_report(work.case, folder, work.folder.root, work.log, tell=judged.append)
     verdict = {"text": judged[0].verdict.text, "passed": judged[0].passed}
     files = {str(path.relative_to(folder)): stored(path) for path in paths}
-    cpu_s = time.process_time() - begin
+    cpu_s = cpu_seconds() - begin
     write_json(
         manifest_file,
         {

@@ -191,6 +191,10 @@ def _simulate(work: Work, digest: str, *, cut_off: bool) -> StageReport:
         options["tolerance"] = section.solver_tolerance
     if section.start != "check":
         options["start"] = section.start
+    if section.start in AT_REST:
+        from heavylift.pipeline.results.kept_start import KeptStart
+
+        options["starts"] = KeptStart(folder.start)
     with in_case(work.case):
         simulation = Simulation(scene, section.solver_step, section.integrator, **options)
     _refuse_beyond_disk(work, simulation)

@@ -6,13 +6,20 @@ One run at a time works in an output folder.
 from __future__ import annotations
 
 import contextlib
+import importlib
+import sys
 import time
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from heavylift.numerics.classes import dataclass
+from heavylift.numerics.derived import keeping
 from heavylift.numerics.outcome import InputError, InputErrors, Outcome
+from heavylift.numerics.side_by_side import SideBySide
 from heavylift.pipeline.log import Log
+from heavylift.pipeline.results.derived_files import DerivedFiles
 from heavylift.pipeline.results.provenance import (
     mesh_digest,
     modes_digest,
@@ -34,6 +41,7 @@ from heavylift.pipeline.stages.work import StageReport, Work
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
+    from collections.abc import Set as AbstractSet
 
     from heavylift.pipeline.case.bodies import FlexibleBodySection
     from heavylift.pipeline.case.case_file import Case
@@ -47,6 +55,9 @@ __all__ = [
 
 
 STAGES = ("mesh", "modes", "simulate", "report")
+
+MESHED_BY, REDUCED_BY = "heavylift.pipeline.assemble.finite_elements", "heavylift.pipeline.assemble.modes"
+"""Modules that do the work of a body."""
 
 NAMED = 5
 """Bodies that a message names one by one."""
@@ -166,6 +177,7 @@ def run_case(
     sound = _check_scene(work, stages)
     done: list[StageReport] = []
     seconds: dict[str, float] = {}
+    kept = DerivedFiles(folder, work.reuse, anew="mesh" in work.force)
     with locked(folder.root):
         for part in folder.folders:
             remove_left_over(part, alone=part == folder.segments)
@@ -176,7 +188,8 @@ def run_case(
                 continue
             begin = time.perf_counter()
             try:
-                done.append(runners[name](work))
+                with keeping(kept):
+                    done.append(runners[name](work))
             except StopError as error:
                 done.append(StageReport(name, error.outcome, skipped=False, cpu_s=0.0, message=str(error)))
             except InputError as error:
@@ -193,6 +206,7 @@ def run_case(
                 name == "simulate" and last.outcome in REPORTED
             ):
                 break
+        kept.clean()
     if len(seconds) > 1:
         spent = ", ".join(f"{name} {value:.1f} s" for name, value in seconds.items())
         work.log.say(f"run: {sum(seconds.values()):.1f} s: {spent}")
@@ -308,7 +322,7 @@ def mesh_stage(work: Work) -> StageReport:
         names = list(work.case.meshes)
         some = ", ".join(names[:NAMED]) + (f" and {len(names) - NAMED} more" if len(names) > NAMED else "")
         work.log.say(f"mesh: {some}: frames and shells, whose elements are simulated themselves, skipped")
-    report = _body_stage(work, "mesh", work.folder.model, mesh_digest, make)
+    report = _body_stage(work, "mesh", work.folder.model, mesh_digest, make, MESHED_BY, {"gmsh"})
     if work.case.surfaces:
         from heavylift.pipeline.stages.surfaces import make_surfaces
 
@@ -343,7 +357,8 @@ def modes_stage(work: Work) -> StageReport:
         write_reduced(work.folder.reduced(name), found.body, header, found.states)
         return reduced_properties(found)
 
-    return _body_stage(work, "modes", work.folder.reduced, modes_digest, make)
+    alone = {"sksparse", "pypardiso"}
+    return _body_stage(work, "modes", work.folder.reduced, modes_digest, make, REDUCED_BY, alone)
 
 
 def _body_stage(
@@ -352,58 +367,75 @@ def _body_stage(
     file_of: Callable[[str], Path],
     digest_of: Callable[[Case, FlexibleBodySection], str],
     make: Callable[[str, FlexibleBodySection, dict[str, Any]], dict[str, Any]],
+    module: str,
+    alone: AbstractSet[str],
 ) -> StageReport:
-    """Make the file of every flexible body that is not current."""
+    """Make the file of every flexible body that is not current, by a module; several at once without what is alone."""
     from heavylift.pipeline.stages.surfaces import reused
 
     manifest = read_json(work.folder.manifest(stage)) or {}
     items, skipped = dict(manifest.get("items", {})), True
     items = {name: item for name, item in items.items() if name in work.flexible}
-    for name, body in work.flexible.items():
-        file, digest = file_of(name), digest_of(work.case, body)
-        item = items.get(name, {})
-        if stage not in work.force and item.get("digest") == digest:
-            if unchanged(file, item):
+    digests = {name: digest_of(work.case, body) for name, body in work.flexible.items()}
+    forced = stage in work.force
+    kept = {
+        name: not forced and item.get("digest") == digests[name] and unchanged(file_of(name), item)
+        for name, item in items.items()
+    }
+
+    def made(name: str, body: FlexibleBodySection) -> dict[str, Any]:
+        begin = time.process_time()
+        header = {"case": work.case.name, "body": name, "digest": digests[name], "versions": versions(stage)}
+        with _located(work.case, name):
+            properties = make(name, body, header)
+        return {
+            "digest": digests[name],
+            **stored(file_of(name)),
+            "cpu_s": time.process_time() - begin,
+            "properties": properties,
+        }
+
+    wanted = {name: partial(made, name, body) for name, body in work.flexible.items() if not kept.get(name)}
+    # what another folder may have is looked for first, one after the other
+    several = wanted if not work.reuse or forced else {}
+    with SideBySide(list(several.values()), alone=bool(alone & sys.modules.keys())) as processes:
+        if processes.count > 1:
+            importlib.import_module(module)  # once, not in each copy
+        results = processes.results() if processes.count > 1 else None
+        for name in work.flexible:
+            file = file_of(name)
+            if kept.get(name):
                 work.log.say(f"{stage}: {name}: unchanged, skipped")
                 continue
-            if file.is_file():
+            if not forced and items.get(name, {}).get("digest") == digests[name] and file.is_file():
                 work.log.say(f"{stage}: {name}: {file} is damaged, computed again")
-        skipped = False
-        found = None if stage in work.force else reused(work, work.folder.manifest(stage), name, digest, file)
-        if found is not None:
-            items[name] = found
-        else:
-            begin = time.process_time()
-            header = {"case": work.case.name, "body": name, "digest": digest, "versions": versions(stage)}
-            with _located(work.case, name):
-                properties = make(name, body, header)
-            items[name] = {
-                "digest": digest,
-                **stored(file),
-                "cpu_s": time.process_time() - begin,
-                "properties": properties,
-            }
-            notes = properties.get("notes", [])
-            words = ", ".join(
-                f"{key} {_short(value)}"
-                for key, value in properties.items()
-                if value is not None and key != "notes"
+            skipped = False
+            found = None if forced else reused(work, work.folder.manifest(stage), name, digests[name], file)
+            if found is not None:
+                items[name] = found
+            else:
+                items[name] = next(results) if results is not None else wanted[name]()
+                properties = items[name]["properties"]
+                words = ", ".join(
+                    f"{key} {_short(value)}"
+                    for key, value in properties.items()
+                    if value is not None and key != "notes"
+                )
+                for note in properties.get("notes", []):
+                    work.log.say(f"{stage}: {name}: {note}")
+                work.log.say(f"{stage}: {name}: {words}; {items[name]['cpu_s']:.2f} s CPU")
+            write_json(
+                work.folder.manifest(stage),
+                {
+                    "stage": stage,
+                    "outcome": Outcome.COMPLETED.name.lower(),
+                    "case": work.case.name,
+                    "overrides": work.case.overrides,
+                    "sources_digest": source_digest(stage),
+                    "versions": versions(stage),
+                    "items": items,
+                },
             )
-            for note in notes:
-                work.log.say(f"{stage}: {name}: {note}")
-            work.log.say(f"{stage}: {name}: {words}; {items[name]['cpu_s']:.2f} s CPU")
-        write_json(
-            work.folder.manifest(stage),
-            {
-                "stage": stage,
-                "outcome": Outcome.COMPLETED.name.lower(),
-                "case": work.case.name,
-                "overrides": work.case.overrides,
-                "sources_digest": source_digest(stage),
-                "versions": versions(stage),
-                "items": items,
-            },
-        )
     cpu_s = sum(item["cpu_s"] for item in items.values())
     return StageReport(stage, Outcome.COMPLETED, skipped=skipped, cpu_s=cpu_s, details=items)
 

@@ -29,11 +29,12 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.outcome import InputError
 from heavylift.preprocess.finite_elements.abaqus_frame import (
     FRAME_KEYWORDS,

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.memory import refuse_beyond_memory
 from heavylift.numerics.outcome import InputError
 from heavylift.preprocess.finite_elements.gmsh_session import gmsh_session, mesh_tetrahedra

@@ -7,7 +7,7 @@ several parts, element types and materials; `Deck.body` takes one body of one ki
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass, field
+from dataclasses import field
 from difflib import get_close_matches
 from functools import cached_property
 from pathlib import Path
@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, NoReturn
 
 import numpy as np
 
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.outcome import InputError
 from heavylift.preprocess.finite_elements.mesh import Mesh
 from heavylift.preprocess.finite_elements.model import DENSITY_LIMIT, WAVE_SPEEDS, Material

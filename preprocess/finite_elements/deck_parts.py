@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
+
+from heavylift.numerics.classes import dataclass
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.outcome import InputError
 from heavylift.preprocess.finite_elements.deck import DeckMaterial, material_of
 from heavylift.preprocess.finite_elements.deck_parts import DeckBeams, DeckPlates, some_elements

@@ -13,13 +13,13 @@ omitted rows. The reader undoes all that are known and says in `FourFileData.not
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.outcome import InputError
 from heavylift.preprocess.finite_elements.model import DENSITY_LIMIT, WAVE_SPEEDS, FEModel
 

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.outcome import InputError, InputErrors
 
 if TYPE_CHECKING:

@@ -6,11 +6,11 @@ size grows linearly with the distance from them give the same accuracy with a fr
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.outcome import InputError
 from heavylift.preprocess.finite_elements.groups import AXES, InBox, OnFace, OnPlane
 

@@ -11,11 +11,12 @@ simulation ... ships and offshore structures" (2018), section 2.9.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.outcome import InputError
 
 if TYPE_CHECKING:

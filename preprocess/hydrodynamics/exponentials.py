@@ -15,11 +15,11 @@ Squares Problems* (1974), chapter 23).
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.outcome import InputError
 from heavylift.preprocess.hydrodynamics.retardation import channel_scales
 

@@ -6,11 +6,12 @@ corner. The hull is open at the still water, z = 0, where the method puts a lid.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.outcome import InputError
 
 if TYPE_CHECKING:

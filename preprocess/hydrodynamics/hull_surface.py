@@ -6,12 +6,12 @@ without a sign. An open deck is the exception: as long as its rim is dry, what i
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.outcome import InputError
 from heavylift.preprocess.surfaces.report import unique_edges
 from heavylift.preprocess.surfaces.triangle_surface import WELD_TOLERANCE, TriangleSurface, clean

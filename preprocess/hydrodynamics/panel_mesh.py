@@ -11,11 +11,11 @@ Numer. Methods Eng. 7 (1973); Remacle et al., "Blossom-Quad", Int. J. Numer. Met
 from __future__ import annotations
 
 import itertools
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.outcome import InputError
 from heavylift.preprocess.finite_elements.gmsh_session import gmsh_session
 from heavylift.preprocess.hydrodynamics.hull_panels import (

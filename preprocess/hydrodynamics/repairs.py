@@ -9,11 +9,12 @@ anyway (Ogilvie's relation, see `retardation`), so much of this is no reason to 
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.outcome import InputError
 from heavylift.preprocess.hydrodynamics.database import (
     PANEL_ACCURACY,

@@ -11,11 +11,11 @@ cosine: Filon, Proc. R. Soc. Edinburgh 49 (1930).
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.outcome import InputError
 
 if TYPE_CHECKING:

@@ -20,12 +20,13 @@ and 5.6 of the numeric files).
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.words import check_word
 from heavylift.preprocess.hydrodynamics.database import HydrodynamicDatabase

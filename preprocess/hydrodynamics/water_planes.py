@@ -6,11 +6,11 @@ water that a hull encloses.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.outcome import InputError
 from heavylift.preprocess.finite_elements.gmsh_session import gmsh_session
 from heavylift.preprocess.hydrodynamics.hull_panels import HullPanels, triangle_panels

@@ -7,13 +7,14 @@ quadrilaterals, the others with what gmsh recombines.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import chain, product
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.memory import refuse_beyond_memory
 from heavylift.numerics.outcome import InputError
 from heavylift.preprocess.finite_elements.gmsh_session import gmsh_session

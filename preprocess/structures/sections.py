@@ -8,11 +8,12 @@ Bredt's ``4 A^2 / sum(l/t)``. Shear areas are those of the parts along the force
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.outcome import InputError
 
 if TYPE_CHECKING:

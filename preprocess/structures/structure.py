@@ -6,11 +6,12 @@ model of it. All in SI units, in one frame.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.outcome import InputError
 from heavylift.preprocess.structures.places import nearest_place, surface_faces, surface_triangles
 

@@ -6,11 +6,12 @@ box by separating axes: Akenine-Moeller, Fast 3D triangle-box overlap testing, J
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.outcome import InputError
 from heavylift.preprocess.surfaces.triangle_surface import TriangleSurface, with_triangles
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,6 +13,7 @@ from heavylift.contours.splines.neutral import NeutralContour, packed
 from heavylift.contours.splines.packed_contour import PackedContour
 from heavylift.contours.splines.sample_packing import pack_samples
 from heavylift.contours.splines.samples import Samples
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.records import Records, records
 from heavylift.numerics.rotation import rotation_matrix

@@ -44,6 +44,7 @@ __all__ = [
     "Features",
     "Reduced",
     "Scratch",
+    "StoodPair",
     "Tally",
 ]
 
@@ -465,8 +466,9 @@ class Tally(Record):
     ----------
     exhausted_steps
         Whole steps whose rest was taken without impacts of its own.
-    rough, roughest
-        Solutions that were accepted although the solver found none of its accuracy, and their largest residual.
+    rough, roughest, roughest_time
+        Solutions that were accepted although the solver found none of its accuracy, their largest residual, and the end
+        of its step [s].
     deepest
         Largest depth of a closed contact without compliance at the end of a step, over its size.
     """
@@ -474,7 +476,28 @@ class Tally(Record):
     exhausted_steps: int
     rough: int
     roughest: float
+    roughest_time: float
     deepest: float
+
+
+class StoodPair(Record):
+    """Where a pair of surfaces has stood when it was searched as a whole, see `triangles.standing`; carried.
+
+    Attributes
+    ----------
+    pose, far
+        Its pose, and how far that search reached [m].
+    mark
+        Tells the contacts that it had; 0 if it did not stand, or the search has changed them.
+    still
+        Steps since then, in a row, in which it has moved by no more than `STILL` and kept its contacts: 0 while it
+        moves. This says that a pair has not moved; its bodies may move together.
+    """
+
+    pose: RelativePose
+    far: float
+    mark: int
+    still: int
 
 
 class Features(Table):
@@ -572,6 +595,8 @@ class ContactRows(RowArrays):
     placed
         Of those pairs, carried: poses of the surfaces at the end of the last step; sums over contacts that are gone;
         number of contacts. Shape (n, 12).
+    stood
+        Where those pairs have stood still.
     carried, saved
         All that a step changes in the scene, as one array, and its copy.
     """
@@ -590,6 +615,7 @@ class ContactRows(RowArrays):
         "rows",
         "state",
         "placed",
+        "stood",
     )
 
     features: Features
@@ -624,5 +650,6 @@ class ContactRows(RowArrays):
     facets: FacetSurfaces
     modal: ModalSurfaces
     placed: Floats2
+    stood: Records[StoodPair]
     carried: Floats1
     saved: Floats1

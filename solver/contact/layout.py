@@ -149,8 +149,9 @@ class Work(Arrays):
         Softness and target of the rows, and linearised laws; see `contact_rows`.
     held
         D of the contacts that is in K, and scratch behind it.
-    w, w0, dw, best, kept, begin
-        Rates, rates without impulses, and impulses; 3 a contact.
+    w, w0, dw, best, kept, begin, rough
+        Rates, rates without impulses, and impulses; 3 a contact. The last ones are those with the smallest residual of
+        attempts without a solution.
     z, y, x, pivots, active
         Of velocities.
     K, A
@@ -178,6 +179,7 @@ class Work(Arrays):
     best: Floats1
     kept: Floats1
     begin: Floats1
+    rough: Floats1
     z: Floats1
     y: Floats1
     x: Floats1

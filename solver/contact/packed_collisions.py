@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.records import Records, records
 from heavylift.solver.contact.kind import Colliding, ContactContour, ContourPose
 from heavylift.solver.contact.triangles.facet_kind import FacetSurfaces

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.contours.splines.convex import BOX, CAPSULE, CYLINDER, ELLIPSOID, RING, Primitive, shape_row
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.lanes import block_shape
 from heavylift.numerics.records import Records, lane_records, records
 from heavylift.solver.contact import layout
@@ -37,6 +37,7 @@ from heavylift.solver.contact.kind import (
     Features,
     Reduced,
     Scratch,
+    StoodPair,
     Tally,
 )
 from heavylift.solver.contact.laws.packing import force_law, put_law
@@ -304,6 +305,7 @@ def _kind(
         facets=collided.facets,
         modal=collided.modal,
         placed=collided.placed,
+        stood=records(StoodPair, sum(len(meshes.pairs) for meshes in collided.meshes)),
         carried=np.zeros(0),
         saved=np.zeros(0),
     )

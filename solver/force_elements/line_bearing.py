@@ -19,13 +19,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.arrays import Arrays
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.numerics.quantity import Absent, BodyDirection, Positive, Quantity

@@ -9,11 +9,12 @@ forces act on markers, both if it does both. Whether springs or ropes are rows o
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.outcome import InputError
 from heavylift.solver.force_elements.system import ElementBlock
 from heavylift.solver.interface import FORCES

@@ -20,7 +20,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import pairwise
 from typing import Annotated, Any, ClassVar
 
@@ -28,6 +27,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.arrays import Arrays, Floats1
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.quantity import AsDrawn, Least, Positive, Quantity

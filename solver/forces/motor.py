@@ -6,13 +6,14 @@ The load acts on the markers of the angle or travel, so that load times rate is 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.arrays import Arrays, Floats1
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.quantity import ByCoordinate, Quantity, Shape

@@ -53,6 +53,15 @@ from heavylift.solver.integrate.state_vector import (
     write_second_rates,
     write_velocities,
 )
+from heavylift.solver.integrate.trees.interface import (
+    close_trees,
+    evaluate_trees,
+    find_tree_spin,
+    measure_tree_error,
+    store_trees,
+    write_second_tree_rates,
+    write_tree_velocities,
+)
 from heavylift.solver.interface import (
     Bodies,
     Forces,
@@ -98,11 +107,15 @@ def _evaluate(
     rate: int,
     time: float,
     with_reactions: bool,
+    factored: bool,
 ) -> None:
-    """Rates of the state in one row of the vectors into another row."""
+    """Rates of the state in one row of the vectors into another row; the factor of its position may be there."""
     progress, values, sums = integration.progress, integration.vectors, work.sums
     size = values.shape[0] // VECTORS
     at, out, end = stage * size, rate * size, (rate + 1) * size - QUADRATURES
+    if progress.trees:
+        evaluate_trees(rows, bodies, forces, joints, rows, work, integration, at, out, time, with_reactions)
+        return
     begin_stage(bodies, time, values, at, work)
     write_rates(integration.coordinates, values, at, out)
     if progress.loaded:
@@ -113,7 +126,7 @@ def _evaluate(
     sums.external_work = sums.drive_work = sums.dissipated = 0.0
     add_forces(forces, time, work)
     free_acceleration(bodies, values, at, work)
-    constrain(rows, bodies, joints, integration, at, with_reactions, work, time)
+    constrain(rows, bodies, joints, integration, at, with_reactions, factored, work, time)
     complete_accelerations(bodies, rows, True, values, out)
     for i in range(work.velocity.shape[0]):
         values[out + i] = work.velocity[i]
@@ -124,16 +137,23 @@ def _evaluate(
 def _project(
     bodies: Bodies, joints: Joints, rows: Systems, work: Workspace, integration: Integration, time: float
 ) -> None:
-    """Close the joints of the state at the end: one Newton step of positions, and velocities by the same factor."""
+    """Close the joints of the state at the end: one Newton step of positions, and velocities in the closed position.
+
+    The factor of that position stays, and serves its accelerations.
+    """
     values = integration.vectors
     size = values.shape[0] // VECTORS
     at = END * size
+    if integration.progress.trees:
+        close_trees(rows, bodies, integration, at, work, time)
+        return
     begin_stage(bodies, time, values, at, work)
     for i in range(work.velocity.shape[0]):
         work.velocity[i] = 0.0
     project(rows, bodies, joints, False, work, time)
     displace_poses(integration.coordinates, values, at, work.velocity)
     _change_nodes(bodies, rows, integration, False)
+    begin_stage(bodies, time, values, at, work)
     for i in range(work.velocity.shape[0]):
         work.velocity[i] = values[at + i]
     project(rows, bodies, joints, True, work, time)
@@ -153,11 +173,12 @@ def _change_nodes(bodies: Bodies, rows: Systems, integration: Integration, of_ve
 
 
 @kernel(internal=True)
-def _add_node(integration: Integration, time: float) -> None:
+def _add_node(rows: Systems, integration: Integration, time: float) -> None:
     """Keep the state at the end with its rates as the newest node."""
     progress, values = integration.progress, integration.vectors
     size = values.shape[0] // VECTORS
     write_second_rates(integration.coordinates, values, END * size, END_RATE * size, SECOND * size)
+    write_second_tree_rates(rows, values, END * size, END_RATE * size, SECOND * size)
     slot = (progress.newest + 1) % SLOTS
     progress.newest = slot
     progress.filled = min(progress.filled + 1, SLOTS)
@@ -188,27 +209,38 @@ def _begin(
 ) -> None:
     """First node of the scene, closed, or first one behind a corner."""
     _take_newest(integration, END, 1)
-    if not integration.progress.started:
+    closed = not integration.progress.started
+    if closed:
         _project(bodies, joints, rows, work, integration, time)
-    _evaluate(bodies, forces, joints, rows, work, integration, END, END_RATE, time, False)
+    _evaluate(bodies, forces, joints, rows, work, integration, END, END_RATE, time, False, closed)
     integration.progress.filled = 0
-    _add_node(integration, time)
+    _add_node(rows, integration, time)
 
 
 @kernel(internal=True)
-def _first_step(work: Workspace, integration: Integration, allowed: float, interval: float) -> float:
+def _first_step(
+    rows: Systems, work: Workspace, integration: Integration, allowed: float, interval: float
+) -> float:
     """A step whose error in order 8 is about as allowed [m], from how fast velocities change [s]."""
-    values, coordinates, length = integration.vectors, integration.coordinates, integration.progress.length
-    size = values.shape[0] // VECTORS
+    length = integration.progress.length
     work.control.error = 0.0
-    measure_error(coordinates, values, END_RATE * size, END_RATE * size, work)
+    _measure(rows, work, integration, END_RATE, END_RATE)
     acceleration = work.control.error
     work.control.error = 0.0
-    measure_error(coordinates, values, END * size, END * size, work)
+    _measure(rows, work, integration, END, END)
     rate = max(math.sqrt(acceleration / length), work.control.error / length)
     if not rate > 0.0:
         return interval
     return (allowed / length) ** (1.0 / (ORDER + 1)) / rate
+
+
+@kernel(internal=True)
+def _measure(rows: Systems, work: Workspace, integration: Integration, fifth: int, third: int) -> None:
+    """Raise the errors in `work.control` to those that two rows of the vectors tell."""
+    values = integration.vectors
+    size = values.shape[0] // VECTORS
+    measure_error(integration.coordinates, values, fifth * size, third * size, work)
+    measure_tree_error(rows, values, fifth * size, third * size, work)
 
 
 @kernel(internal=True)
@@ -229,7 +261,7 @@ def _step(
         time = progress.times[progress.newest] if progress.started else 0.0
         _begin(bodies, forces, joints, rows, work, integration, time)
         if not progress.started:
-            control.next_step = _first_step(work, integration, allowed, interval)
+            control.next_step = _first_step(rows, work, integration, allowed, interval)
         progress.started = True
         progress.at_corner = False
     time = progress.times[progress.newest]
@@ -242,7 +274,9 @@ def _step(
     ahead = work.corners[corner] - time if corner < work.corners.shape[0] else math.inf
     # three nodes are needed between two corners
     rest = 0.5 * ahead if progress.filled < 2 else ahead
-    spin = fastest_spin(integration.coordinates, values, STATE * size)
+    progress.spin = fastest_spin(integration.coordinates, values, STATE * size)
+    find_tree_spin(rows, integration, STATE * size)
+    spin = progress.spin
     while True:
         h = control.next_step
         if h * spin > LARGEST_TURN:
@@ -266,10 +300,11 @@ def _step(
                 stage,
                 min(time + NODES[stage - 1] * h, last),
                 False,
+                False,
             )
         write_errors(values, size, FIFTH, THIRD)
         control.error = control.pose_error = 0.0
-        measure_error(integration.coordinates, values, FIFTH * size, THIRD * size, work)
+        _measure(rows, work, integration, FIFTH, THIRD)
         error = h * max(max(h, progress.recent_step) * control.error, control.pose_error) / allowed
         if error <= 1.0:
             break
@@ -285,13 +320,13 @@ def _step(
             return False
     write_end(values, size, END, h)
     _project(bodies, joints, rows, work, integration, last)
-    _evaluate(bodies, forces, joints, rows, work, integration, END, END_RATE, last, False)
+    _evaluate(bodies, forces, joints, rows, work, integration, END, END_RATE, last, False, True)
     watch_stability(integration, h)
     time += h
     if at_corner and rest == ahead:
         time = work.corners[corner]
         progress.at_corner = True
-    _add_node(integration, time)
+    _add_node(rows, integration, time)
     error = max(error, LEAST_ERROR)
     factor = SAFETY * error ** (-1.0 / ORDER)
     if progress.error_before > 0.0:  # what makes the error grow continues
@@ -345,7 +380,7 @@ def _sample(
     nodes = (A, A + 1, A + 2, B, B + 1, B + 2, C, C + 1, C + 2, D, D + 1, D + 2)
     weights = (a0, a1, a2, b0, b1, b2, c0, c1, c2, d0, d1, d2)
     rates = (da0, da1, da2, db0, db1, db2, dc0, dc1, dc2, dd0, dd1, dd2)
-    first = work.velocity.shape[0] // PART * PART
+    first = progress.velocities // PART * PART
     for i in range(first, size, PART):
         combine_part(values, END * size + i, kept, i, size, nodes, weights)
         combine_part(values, END_RATE * size + i, kept, i, size, nodes, rates)
@@ -367,9 +402,14 @@ def _sample(
             + d0 * kept[end + D * size + k]
             + d1 * kept[end + (D + 1) * size + k]
         )
-    write_velocities(integration.coordinates, values, END * size, END_RATE * size)
-    store_state(bodies, time, values, END * size, work)
-    _evaluate(bodies, forces, joints, rows, work, integration, END, END_RATE, time, True)
+    if progress.trees:
+        write_tree_velocities(rows, values, END * size, END_RATE * size)
+    else:
+        write_velocities(integration.coordinates, values, END * size, END_RATE * size)
+        store_state(bodies, time, values, END * size, work)
+    _evaluate(bodies, forces, joints, rows, work, integration, END, END_RATE, time, True, False)
+    if progress.trees:
+        store_trees(rows, bodies, time, values, END * size, work)
 
 
 @entry  # eleven parameters: the scene is five; which steps, how exact and where records go are six
@@ -419,7 +459,7 @@ def run(
         soften(joint_rows(rows, i), progress.softening)
     if not progress.started:  # reactions of the first record
         _take_newest(integration, END, 1)
-        _evaluate(bodies, forces, joints, rows, work, integration, END, END_RATE, 0.0, True)
+        _evaluate(bodies, forces, joints, rows, work, integration, END, END_RATE, 0.0, True, False)
     row = 0
     for index in range(first, last):
         time = (index + 1) * step

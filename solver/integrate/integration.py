@@ -83,6 +83,9 @@ class Progress(Record):
         inverse mass.
     largest_error
         Of a step, whatever the tolerance [m].
+    trees, velocities, spin
+        Whether bodies are in trees, whose coordinates the state vector has; velocities that it begins with; largest
+        spin of a body [rad/s].
     """
 
     started: bool
@@ -105,6 +108,9 @@ class Progress(Record):
     solutions: int
     softening: float
     largest_error: float
+    trees: bool
+    velocities: int
+    spin: float
 
 
 class Integration(Arrays):
@@ -132,9 +138,12 @@ class Integration(Arrays):
     vectors: Floats1
     coordinates: Records[Coordinates]
 
-    def take_start(self, bodies: Bodies) -> None:
-        """The carried state of the bodies becomes the first node."""
-        for kind in bodies:
+    def take_start(self, bodies: Bodies, systems: Systems) -> None:
+        """The carried state of the bodies becomes the first node: of trees, if they have them all."""
+        trees = [system for system in systems if hasattr(system, "write_tree_state")]
+        for forest in trees:
+            forest.write_tree_state(bodies, self.nodes)
+        for kind in () if trees else bodies:
             kind.write_state(self.nodes)
 
 
@@ -161,8 +170,21 @@ def _is_tree(system: RowSystem) -> bool:
     return True
 
 
-def make_integration(bodies: Bodies, joints: Joints, systems: Systems, work: Workspace) -> Integration:
+def make_integration(
+    bodies: Bodies,
+    joints: Joints,
+    systems: Systems,
+    work: Workspace,
+    trees: tuple[int, int] | None = None,
+) -> Integration:
     """The last member of the systems of a scene that is integrated accurately.
+
+    Parameters
+    ----------
+    bodies, joints, systems, work
+        Of the packed scene.
+    trees
+        Velocities and coordinates of the trees that have all free bodies, if there are any.
 
     Raises
     ------
@@ -190,8 +212,8 @@ def make_integration(bodies: Bodies, joints: Joints, systems: Systems, work: Wor
         found, place = kind.place_coordinates(place)
         described.append(found)
     coordinates = records(Coordinates, [one for found in described for one in found])
-    size = padded(place + QUADRATURES)
     progress = Progress.one()
+    progress.velocities = work.velocity.shape[0]
     progress.length = coordinates["reach"].max()
     progress.loaded = any((kind.markers["level"] > 0).any() for kind in bodies)
     driven = (coordinates["motion"] == DRIVEN).any()
@@ -202,6 +224,10 @@ def make_integration(bodies: Bodies, joints: Joints, systems: Systems, work: Wor
     else:
         progress.solutions, progress.softening = 2, LOOP_SOFTENING
         progress.largest_error = LOOSEST_LOOP * progress.length
+    if trees is not None:
+        progress.trees, progress.velocities, place = True, trees[0], sum(trees)
+        coordinates = records(Coordinates, 0)
+    size = padded(place + QUADRATURES)
     return Integration(progress, np.zeros(SLOTS * NODE_ROWS * size), np.zeros(VECTORS * size), coordinates)
 
 

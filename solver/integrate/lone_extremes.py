@@ -14,6 +14,7 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from heavylift.solver.integrate.kept_columns import KeptColumns
 from heavylift.solver.scene.channels import Channel
 
 __all__ = ["LoneExtremes"]
@@ -53,10 +54,9 @@ class LoneExtremes:
             for part in c.components
         ]
         self._units = [c.unit for c in found for _ in c.components]
-        self._columns = np.array(
-            [c.column + i for c in found for i in range(len(c.components))], dtype=np.int64
-        )
-        n = len(self._columns)
+        columns = np.array([c.column + i for c in found for i in range(len(c.components))], dtype=np.int64)
+        self._waiting = KeptColumns(columns)
+        n = len(columns)
         self._count = 0
         self._rows = np.zeros((2, n))
         self._largest, self._at = np.zeros((KEPT, n)), np.full((KEPT, n), -1.0)
@@ -65,39 +65,54 @@ class LoneExtremes:
     @property
     def state(self) -> NDArray[np.float64]:
         """What a continuation needs."""
+        self._look()
         parts = (self._rows, self._largest, self._at, self._value, self._beside, self._most)
         return np.concatenate([[float(self._count)], *(part.ravel() for part in parts)])
 
     @state.setter
     def state(self, values: NDArray[np.float64]) -> None:
+        self._waiting.forget()
         self._count, first = int(values[0]), 1
         for part in (self._rows, self._largest, self._at, self._value, self._beside, self._most):
             part[...] = values[first : first + part.size].reshape(part.shape)
             first += part.size
 
     def add(self, records: NDArray[np.float64]) -> None:
-        """Look at more records behind the one of the start, shape (rows, columns)."""
-        if not len(self._columns):
-            return
-        for row in records[:, self._columns]:
-            if self._count >= 2:
-                self._compare(self._rows[0], self._rows[1], row)
-            self._rows[0], self._rows[1] = self._rows[1], row
-            self._most = np.fmax(self._most, np.abs(row))
-            self._count += 1
+        """Take more records behind the one of the start, shape (rows, columns): for when someone asks."""
+        self._waiting.add(records)
+        if self._waiting.full:
+            self._look()
 
-    def _compare(
-        self, before: NDArray[np.float64], x: NDArray[np.float64], after: NDArray[np.float64]
-    ) -> None:
-        """Take the distances of the row in the middle."""
-        a, b = x - before, x - after
-        with np.errstate(invalid="ignore"):
+    def _look(self) -> None:
+        found = self._waiting.take()
+        if not len(found):
+            return
+        rows = np.vstack((self._rows, found))
+        before, x, after = rows[:-2], rows[1:-1], rows[2:]
+        with np.errstate(invalid="ignore", over="ignore"):
+            a, b = x - before, x - after
             lone = np.where(a * b > 0.0, np.minimum(np.abs(a), np.abs(b)), 0.0)
-        if not (lone > self._largest[-1]).any():
+        lone[: max(2 - self._count, 0)] = 0.0  # there is no row before
+        for i in np.flatnonzero((lone > self._largest[-1]).any(axis=1)):
+            self._keep(lone[i], self._count + int(i) - 1, before[i], x[i], after[i])
+        self._rows[...] = rows[-2:]
+        self._most = np.fmax(self._most, np.fmax.reduce(np.abs(found), axis=0))
+        self._count += len(found)
+
+    def _keep(
+        self,
+        lone: NDArray[np.float64],
+        place: int,
+        before: NDArray[np.float64],
+        x: NDArray[np.float64],
+        after: NDArray[np.float64],
+    ) -> None:
+        """Keep the distances of a row from those beside it, where they are among the largest."""
+        if not (lone > self._largest[-1]).any():  # others have come before it
             return
         distances = np.vstack((self._largest, lone))
         order = np.argsort(-distances, axis=0, kind="stable")[:KEPT]
-        places = np.vstack((self._at, np.full(len(lone), self._count - 1.0)))
+        places = np.vstack((self._at, np.full(len(lone), float(place))))
         self._largest = np.take_along_axis(distances, order, axis=0)
         self._at = np.take_along_axis(places, order, axis=0)
         new = order[0] == KEPT
@@ -116,6 +131,7 @@ class LoneExtremes:
         steps_vary
             Whether steps are of any length: then nobody knows what an event leaves of one.
         """
+        self._look()
         cut = {}
         for time in events:
             index = int(np.floor(time / step + WHOLE))

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.outcome import Outcome
+from heavylift.solver.integrate.kept_columns import KeptColumns
 from heavylift.solver.scene.channels import Channel
 
 __all__ = ["STATE", "RunWatch"]
@@ -40,6 +41,10 @@ SMALLEST_ENERGY, ROUNDING = 1e-9, 1e-9
 FREE, TOUCHING = 2e-8, 5e-6
 """Least scale of the energy relative to weights times sizes of all bodies, without and with contacts: what stands on
 others is at rest to some 1e-8 of its size, since gaps are found to 1e-10 and balances of force are not exact."""
+
+
+VIOLATION = "monitor.violation"
+"""Channel of the opening."""
 
 
 def _of_all(name: str) -> bool:
@@ -79,6 +84,8 @@ class RunWatch:
         Largest kinetic energy [J].
     finite
         Whether energies and momenta of all records are numbers.
+    begun
+        Whether it has the first record, to which it compares the others.
     """
 
     def __init__(
@@ -91,64 +98,112 @@ class RunWatch:
         touches: bool = False,
         mass: float = 0.0,
     ) -> None:
-        self._column = {channel.name: channel.column for channel in channels}
-        self._sums = [c.column + i for c in channels for i in range(len(c.components)) if _of_all(c.name)]
+        seen = [c for c in channels if _of_all(c.name)] + [c for c in channels if c.name == VIOLATION]
+        columns = [(c.name, c.column + i) for c in seen for i in range(len(c.components))]
+        self._place = {name: place for place, (name, _) in enumerate(columns)}
+        self._sums = sum(_of_all(name) for name, _ in columns)
+        self._waiting = KeptColumns(np.array([column for _, column in columns], dtype=np.int64))
+        self.begun = False
         self._first: float | None = None
         self._given = 0.0
-        self.gain = self.loss = self.scale = self.opening = self.kinetic = 0.0
+        self._gain = self._loss = self._scale = self._opening = self._kinetic = 0.0
         self._mass = mass
-        self.finite = True
+        self._finite = True
         self._remedy = remedy
         self.floor = SMALLEST_ENERGY + (TOUCHING if touches else FREE) * weight
         self._allowed = max(LARGEST_OPENING, LARGEST_SHARE * size)
 
     @property
-    def begun(self) -> bool:
-        """Whether it has seen the first record, to which it compares the others."""
-        return self._first is not None
+    def gain(self) -> float:
+        """[J]."""
+        self._look()
+        return self._gain
+
+    @property
+    def loss(self) -> float:
+        """[J]."""
+        self._look()
+        return self._loss
+
+    @property
+    def scale(self) -> float:
+        """[J]."""
+        self._look()
+        return self._scale
+
+    @property
+    def opening(self) -> float:
+        """[m or rad]."""
+        self._look()
+        return self._opening
+
+    @property
+    def kinetic(self) -> float:
+        """Largest kinetic energy [J]."""
+        self._look()
+        return self._kinetic
+
+    @property
+    def finite(self) -> bool:
+        """Whether energies and momenta of all records are numbers."""
+        self._look()
+        return self._finite
 
     @property
     def state(self) -> NDArray[np.float64]:
         """What a continuation needs, shape (`STATE`,)."""
+        self._look()
         first = np.nan if self._first is None else self._first
-        sums = (self._given, self.gain, self.loss, self.scale, self.opening, self.kinetic)
-        return np.array([first, *sums, float(self.finite)])
+        sums = (self._given, self._gain, self._loss, self._scale, self._opening, self._kinetic)
+        return np.array([first, *sums, float(self._finite)])
 
     @state.setter
     def state(self, values: NDArray[np.float64]) -> None:
-        first, self._given, self.gain, self.loss, self.scale, self.opening, self.kinetic, finite = map(
+        self._waiting.forget()
+        first, self._given, self._gain, self._loss, self._scale, self._opening, self._kinetic, finite = map(
             float, values
         )
-        self._first, self.finite = None if np.isnan(first) else first, bool(finite)
+        self._first, self._finite = None if np.isnan(first) else first, bool(finite)
+        self.begun = self._first is not None
 
     def add(self, records: NDArray[np.float64]) -> None:
-        """Look at more records, shape (rows, columns)."""
+        """Take more records, shape (rows, columns); they are looked at when someone asks."""
+        self.begun |= len(records) > 0
+        self._waiting.add(records)
+        if self._waiting.full:
+            self._look()
+
+    def _look(self) -> None:
+        rows = self._waiting.take()
 
         def energy(name: str) -> NDArray[np.float64]:
-            column = self._column.get(f"energy.{name}")  # results may have been recorded in part
-            return np.zeros(len(records)) if column is None else records[:, column]
+            place = self._place.get(f"energy.{name}")  # results may have been recorded in part
+            return np.zeros(len(rows)) if place is None else rows[:, place]
 
-        if not len(records):
+        if not len(rows):
             return
-        if "monitor.violation" in self._column:
-            self.opening = max(self.opening, float(records[:, self._column["monitor.violation"]].max()))
-        if not np.all(np.isfinite(records[:, self._sums])):
-            self.finite = False
-            return
+        if VIOLATION in self._place:
+            self._opening = max(self._opening, float(rows[:, self._place[VIOLATION]].max()))
+        known = np.isfinite(rows[:, : self._sums]).all(axis=1)
+        if not known.all():
+            self._finite = False
+            rows = rows[known]
+            if not len(rows):
+                return
         balance, given = energy("balance"), energy("potential") - energy("external_work")
         if self._first is None:
             self._first, self._given = float(balance[0]), float(given[0])
-        self.gain = max(self.gain, float(balance.max()) - self._first)
-        self.loss = max(self.loss, self._first - float(balance.min()))
+        self._gain = max(self._gain, float(balance.max()) - self._first)
+        self._loss = max(self._loss, self._first - float(balance.min()))
         turned = (
             energy("kinetic") + energy("elastic"),
             energy("drive_work"),
             energy("dissipated"),
             given - self._given,
         )
-        self.kinetic = max(self.kinetic, float(energy("kinetic").max()))
+        self._kinetic = max(self._kinetic, float(energy("kinetic").max()))
         floor = self.floor + ROUNDING * float(np.abs(energy("potential")).max())
-        self.scale = max(self.scale, floor, *(float(np.abs(values).max()) for values in turned))
+        self._scale = max(self._scale, floor, *(float(np.abs(values).max()) for values in turned))
 
     @property
     def drift(self) -> float:

@@ -24,6 +24,7 @@ __all__ = [
     "displace_poses",
     "fastest_spin",
     "measure_error",
+    "squared_error",
     "write_rates",
     "write_second_rates",
     "write_velocities",
@@ -128,7 +129,7 @@ def add_to_nodes(
 
 
 @kernel(inline=True, internal=True)
-def _squared_error(fifth: float, third: float) -> float:
+def squared_error(fifth: float, third: float) -> float:
     """``( e5^2 / sqrt(e5^2 + e3^2/100) )^2``, as of DOP853, from squares."""
     return fifth * fifth / (fifth + 0.01 * third) if fifth > 0.0 else fifth
 
@@ -142,7 +143,7 @@ def _nodal_error(one: Coordinates, values: Floats1, fifth: int, third: int) -> f
         for k in range(node, node + 3):
             e5 += values[fifth + k] ** 2
             e3 += values[third + k] ** 2
-        error = _squared_error(e5, e3)
+        error = squared_error(e5, e3)
         if error > largest or math.isnan(error):  # which stays
             largest = error
     return largest
@@ -162,9 +163,9 @@ def _pose_error(one: Coordinates, values: Floats1, fifth: int, third: int, work:
     for k in range(4):
         q5 += values[a + k] ** 2
         q3 += values[b + k] ** 2
-    turn = 2.0 * math.sqrt(_squared_error(q5, q3))
+    turn = 2.0 * math.sqrt(squared_error(q5, q3))
     work.control.pose_error = max(work.control.pose_error, one.reach * turn)
-    return _squared_error(e5 + square * t5, e3 + square * t3)
+    return squared_error(e5 + square * t5, e3 + square * t3)
 
 
 @kernel(internal=True)

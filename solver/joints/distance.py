@@ -9,13 +9,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.arrays import Arrays
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.quantity import Positive

@@ -7,12 +7,12 @@ all four vectors of each node hold everywhere: conditions on nodes and slopes al
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.rotation import rotation_matrix
 from heavylift.solver.joints.mesh_rows import EdgeSeam, Square, SquareJoint

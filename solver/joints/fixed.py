@@ -9,9 +9,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import ClassVar
 
+from heavylift.numerics.classes import dataclass
 from heavylift.solver.scene.connections import JOINTS, Joint
 
 __all__ = ["FixedJoint"]

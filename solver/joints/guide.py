@@ -10,13 +10,13 @@ The reaction of the first row is what its drives give to a vehicle, those of the
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.arrays import Arrays, Floats1
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.quantity import Quantity
 from heavylift.numerics.records import Records, filled, records

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from heavylift.numerics.classes import dataclass
 from heavylift.solver.scene.connections import Joint
 
 __all__ = ["EdgeSeam", "FrameWeld", "Square", "SquareJoint"]

@@ -7,9 +7,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import ClassVar
 
+from heavylift.numerics.classes import dataclass
 from heavylift.solver.scene.connections import JOINTS, Joint, Place
 
 __all__ = ["Planar"]

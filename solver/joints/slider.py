@@ -7,9 +7,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.quantity import Quantity
 from heavylift.solver.scene.bodies import Profile
 from heavylift.solver.scene.connections import JOINTS, Joint, Limits, Place

@@ -10,12 +10,12 @@ two directions m, n of a, perpendicular to e and to each other::
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
 
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.quantity import WorldDirection
 from heavylift.solver.scene.connections import JOINTS
 from heavylift.solver.scene.sliding_joints import SlidesAndTurns

@@ -58,12 +58,14 @@ def constrain(
     integration: Integration,
     at: int,
     with_reactions: bool,
+    factored: bool,
     work: Workspace,
     time: float,
 ) -> None:
     """Rows: accelerations without joints in `work.velocity` become those with them.
 
-    Drives add their power [W] at the state vector that begins at `at` of the vectors of the integration.
+    Drives add their power [W] at the state vector that begins at `at` of the vectors of the integration. The factor of
+    this position may be there, from the projection of its velocities.
     """
 
 
@@ -76,6 +78,7 @@ def constrain_rows(
     integration: Integration,
     at: int,
     with_reactions: bool,
+    factored: bool,
     work: Workspace,
     time: float,
 ) -> None:
@@ -87,11 +90,12 @@ def constrain_rows(
     wanted = with_reactions or progress.driven or progress.based
     lanes = len(system.shape[1])
     nodes = system.attachments.shape[0] // 2
-    fill_rows(joints, False, work, system)
+    if not factored:
+        fill_rows(joints, False, work, system)
+        apply_inverse(bodies, False, system)
+        assemble(system)
+        factor_rows(system)
     fill_bias(joints, time, work, system)
-    apply_inverse(bodies, False, system)
-    assemble(system)
-    factor_rows(system)
     if wanted:
         for node in range(nodes):
             for r in range(lanes):
@@ -131,9 +135,10 @@ def _add_drive_power(system: RowSystem, values: NDArray[np.float64], at: int, wo
 def project(
     systems: Systems, bodies: Bodies, joints: Joints, of_velocity: bool, work: Workspace, time: float
 ) -> None:
-    """Rows: a displacement in `work.velocity` becomes one that closes them to first order, then velocities likewise.
+    """Rows: a displacement in `work.velocity` becomes one that closes them to first order, or velocities keep them.
 
-    The factor of the velocities is that of the position before the displacement.
+    Velocities are those of a position that is closed: beside a singular one the factor of an open position would leave
+    rates of the rows, from which accelerations grow.
     """
 
 
@@ -142,34 +147,21 @@ def project(
 def project_rows(
     system: RowSystem, bodies: Bodies, joints: Joints, of_velocity: bool, work: Workspace, time: float
 ) -> None:
-    """``G d = -g``, then ``G u = l'`` with prescribed velocities as they are."""
-    if not of_velocity:
-        _start_projection(system, bodies, joints, work, time)
-    lanes = len(system.shape[1])
-    for node in range(system.attachments.shape[0] // 2):
-        row = system.rows[node]
-        for r in range(lanes):
-            row.target[r] = row.half_impulse[r] if of_velocity else -row.residual[r]
-            row.impulse[r] = 0.0
-    solve_rows(system, work.velocity)
-
-
-@kernel(internal=True)
-def _start_projection(
-    system: RowSystem, bodies: Bodies, joints: Joints, work: Workspace, time: float
-) -> None:
-    """Residuals and factor; the targets of the velocities are kept in the place of half impulses."""
+    """``G d = -g``, or ``G u`` as prescribed, by the factor of the position of the markers, which stays."""
     lanes = len(system.shape[1])
     nodes = system.attachments.shape[0] // 2
-    fill_rows(joints, True, work, system)
-    for node in range(nodes):
-        for r in range(lanes):
-            system.rows[node].target[r] = 0.0
-    set_targets(joints, time, 0.0, False, work, system)
+    fill_rows(joints, not of_velocity, work, system)
     for node in range(nodes):
         row = system.rows[node]
         for r in range(lanes):
-            row.half_impulse[r] = row.target[r]
+            row.target[r] = row.impulse[r] = 0.0
+    set_targets(joints, time, 0.0, False, work, system)
     apply_inverse(bodies, False, system)
     assemble(system)
     factor_rows(system)
+    if not of_velocity:
+        for node in range(nodes):
+            row = system.rows[node]
+            for r in range(lanes):
+                row.target[r] = -row.residual[r]
+    solve_rows(system, work.velocity)

@@ -15,7 +15,6 @@ Optimization 5, 1995). Only rigid bodies become hubs: many joints on one flexibl
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import combinations, combinations_with_replacement
 from typing import Any, ClassVar
 
@@ -24,6 +23,7 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.arrays import Arrays, Floats1, Ints1
 from heavylift.numerics.block_pattern import FactorColumn, LowerBlock, pack_blocks
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.lanes import block_shape
 from heavylift.numerics.records import (
     LaneRecords,

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.solver.scenario.sequencer import (
     ACTION,
@@ -86,10 +86,16 @@ class Operation:
         From which it was made.
     channels
         Of the record.
+
+    Attributes
+    ----------
+    heard
+        Words from outside that this object was told.
     """
 
     def __init__(self, sequencer: Sequencer, scenario: Scenario, channels: Sequence[Channel]) -> None:
         self.sequencer, self.scenario = sequencer, scenario
+        self.heard = 0
         owners = {channel.column: channel.name.rpartition(".")[0] for channel in channels}
         kinds = (sequencer.ropes, sequencer.rubbing, sequencer.held)
         self._ropes = tuple(owners[int(entry.column)] for kind in kinds for entry in kind.table)
@@ -153,6 +159,7 @@ class Operation:
         """
         sequencer = self.sequencer
         state = sequencer.state
+        self.heard += 1
         if word == "stop" and int(state.outcome) == 0:
             state.outcome = int(Outcome.LIMIT_REACHED)
         elif word == "hold":

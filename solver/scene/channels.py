@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
 
+from heavylift.numerics.classes import dataclass
 from heavylift.solver.scene.descriptions import XYZ, ChannelKind
 from heavylift.solver.scene.outputs import Columns, Components, Outputs, Part, Parts, channel, nested, outputs
 

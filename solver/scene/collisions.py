@@ -7,11 +7,12 @@ its contacts come and go with the motion, by the same laws as those of contours.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
 
 from annotated_types import Interval
 
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.quantity import Absent, Positive, Quantity
 from heavylift.solver.scene.bodies import GROUND
 from heavylift.solver.scene.contacts import COLLISION_LAWS, ContactLaw, RigidLaw

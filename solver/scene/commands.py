@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
+from heavylift.numerics.classes import dataclass
 from heavylift.solver.scene.operations import NOTHING
 
 if TYPE_CHECKING:

@@ -7,12 +7,13 @@ primitive of another body touch it.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.quantity import Absent, BodyDirection, ByExponent, Positive, Quantity, Shape
 from heavylift.solver.scene.descriptions import XYZ, Family

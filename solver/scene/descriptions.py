@@ -21,7 +21,7 @@ import inspect
 import math
 import sys
 import types
-from dataclasses import MISSING, Field, dataclass, fields
+from dataclasses import MISSING, Field, fields
 from itertools import pairwise
 from numbers import Real
 from pathlib import Path
@@ -40,6 +40,7 @@ from typing import (
 
 import numpy as np
 
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.hints import unaliased
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.quantity import (

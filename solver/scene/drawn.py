@@ -7,8 +7,9 @@ with them is seen in all three.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+
+from heavylift.numerics.classes import dataclass
 
 if TYPE_CHECKING:
     import numpy as np

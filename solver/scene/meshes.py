@@ -9,11 +9,12 @@ from __future__ import annotations
 
 import importlib
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import TYPE_CHECKING, ClassVar, Literal
 
 import numpy as np
 
+from heavylift.numerics.classes import dataclass
 from heavylift.solver.scene.bodies import Body, Free
 from heavylift.solver.scene.drawn import Element, Skin
 from heavylift.solver.scene.mesh_rates import highest_frame_frequency, highest_shell_frequency

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import field
 from difflib import get_close_matches
 from typing import TYPE_CHECKING, Any
 
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.outcome import InputError
 from heavylift.solver.scene.operations import CONNECT, FAIL, FOLLOW, RELEASE
 

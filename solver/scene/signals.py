@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Literal
+
+from heavylift.numerics.classes import dataclass
 
 __all__ = ["Signal", "Term"]
 

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.quantity import Quantity
 from heavylift.solver.scene.connections import (
     AngleOutputs,

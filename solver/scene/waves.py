@@ -6,11 +6,12 @@ Directions are of propagation ("going to"), from world x, anticlockwise seen fro
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 from annotated_types import Interval
 
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.quantity import Positive, Quantity, TableFile
 from heavylift.solver.scene.descriptions import Family, no_rows

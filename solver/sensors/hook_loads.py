@@ -22,13 +22,13 @@ It acts on nothing. The ropes leave their forces at the end of every step
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.arrays import Arrays, Floats1, Ints1
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.quantity import Least, NameOf

@@ -12,13 +12,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.arrays import Arrays, Ints1
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.quantity import Least, NameOf, Positive

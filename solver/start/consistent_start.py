@@ -6,12 +6,12 @@ possible; velocities by one projection. Redundant rows are welcome as long as th
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.outcome import InputError
 from heavylift.solver.start.rows import StartRows, listed
 

@@ -11,13 +11,14 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from heavylift.numerics.classes import dataclass
 from heavylift.solver.start.consistent_start import close_positions
 from heavylift.solver.start.motion_words import motion_words, move_words
 from heavylift.solver.start.rows import StartRows, plural, quoted

@@ -5,11 +5,10 @@ Bodies that deform resist every motion but these, so a static problem is determi
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.rotation import rotation_matrix
 from heavylift.solver.start.motion_words import motion_words
 from heavylift.solver.statics.mesh_system import MeshSystem

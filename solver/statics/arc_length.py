@@ -11,11 +11,12 @@ so that a step may go along with less load, and along unstable positions too.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 
 import numpy as np
 from numpy.typing import NDArray
 
+from heavylift.numerics.classes import dataclass
 from heavylift.solver.statics.newton import BALANCED, CLOSED, NOISE, STEADY, Progress, correct, large
 from heavylift.solver.statics.problem import (
     StaticProblem,

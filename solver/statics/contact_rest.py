@@ -14,12 +14,12 @@ far apart two such searches end is reported.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.outcome import InputError
 from heavylift.solver.start.consistent_start import project_start
 from heavylift.solver.start.rows import StartRows

@@ -22,12 +22,13 @@ only its tension says (stresses as unknowns: D. Magisano, L. Leonetti, G. Garcea
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.threads import one_blas_thread
 from heavylift.solver.start.consistent_start import close_positions, close_velocities, project_start

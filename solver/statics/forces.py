@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from heavylift.numerics.classes import dataclass
 from heavylift.solver.interface import FORCES
 from heavylift.solver.scene.connections import MEASURES
 from heavylift.solver.start.rows import StartRows

@@ -7,12 +7,12 @@ the start. The last resort is relaxation in a dissipative motion.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.outcome import InputError
 from heavylift.solver.start.consistent_start import close_velocities
 from heavylift.solver.start.free_motions import FreeMotions, find_free_motions

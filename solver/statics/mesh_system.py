@@ -10,12 +10,12 @@ K_y, of all forces and reactions on bases and other bodies, comes from differenc
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.records import numbers_in
 from heavylift.solver.bodies.ancf.at_rest import (
     difference_follower,

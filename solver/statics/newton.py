@@ -7,12 +7,12 @@ creep. Where the stiffness is not positive along what the joints allow, it is da
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from heavylift.numerics.classes import dataclass
 from heavylift.solver.statics.problem import (
     Balance,
     Factor,

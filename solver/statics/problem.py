@@ -12,11 +12,12 @@ masses where the stiffness is not positive along what the joints allow.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
+
+from heavylift.numerics.classes import dataclass
 
 __all__ = [
     "Balance",

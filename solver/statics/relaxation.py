@@ -15,12 +15,12 @@ forces.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from heavylift.numerics.classes import dataclass
 from heavylift.solver.statics.newton import Progress, correct, large, push
 from heavylift.solver.statics.problem import Factor, StaticProblem, factorise, measure
 

@@ -19,11 +19,11 @@ path drives along is held on the road, so it turns about the road, else about it
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.outcome import InputError
 from heavylift.solver.transport.support_statics import SupportStatics
 

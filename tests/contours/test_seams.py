@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from heavylift.contours.triangles.seams import _touching, find_seams
+from heavylift.contours.triangles.seams import _covered, _planes, _touching, find_seams
 from heavylift.contours.triangles.surface_pack import pack_surfaces
 from heavylift.preprocess.surfaces.primitives import box_surface
 from heavylift.preprocess.surfaces.triangle_surface import TriangleSurface
@@ -127,3 +127,32 @@ def test_boxes_that_meet_are_all_found_once(spread: float) -> None:
     meet = np.all((lower[:, None] <= face_upper) & (upper[:, None] >= face_lower), axis=2)
     np.testing.assert_array_equal(found, np.argwhere(meet))
     assert len(found) > 100
+
+
+def test_intervals_that_cover_an_edge_together():
+    """Against one interval after another."""
+    rng = np.random.default_rng(3)
+    sizes = rng.integers(1, 9, 2000)
+    group = np.repeat(np.arange(len(sizes)), sizes)
+    low = rng.uniform(-0.2, 0.8, len(group))
+    high = low + rng.uniform(0.0, 0.6, len(group))
+    counts = rng.random(len(group)) < 0.9
+    slack = np.repeat(rng.uniform(0.0, 0.1, len(sizes)), sizes)
+    expected = []
+    for one in range(len(sizes)):
+        own = np.flatnonzero((group == one) & counts)
+        reached, gap = slack[group == one][0], False
+        for row in own[np.argsort(low[own])]:
+            gap |= low[row] > reached
+            reached = max(reached, high[row] + slack[row])
+        expected.append(len(own) > 0 and not gap and reached >= 1.0)
+    assert 100 < sum(expected) < 1900
+    assert _covered(group, low, high, slack, counts).tolist() == expected
+
+
+def test_planes_at_edges_one_after_another():
+    """Two faces at an angle, two in a plane wound against each other, and a face that is not level with its edge."""
+    across = np.array([[1.0, 0, 0], [0, 1.0, 0], [1.0, 0, 0], [-1.0, 1e-6, 0], [0.5, 0, 0], [0, 0.5, 0]])
+    plane, sense = _planes(np.array([4, 4, 6, 6, 9, 9]), across)
+    assert plane.tolist() == [0, 1, 2, 2, 3, 4]
+    assert sense.tolist() == [1, 1, 1, -1, 1, 1]

@@ -100,6 +100,19 @@ def test_energies_that_are_no_numbers_are_an_outcome() -> None:
     assert other.verdict == watch.verdict
 
 
+def test_rows_that_are_no_numbers_are_left_out_whatever_comes_with_them() -> None:
+    """Looked at one by one, or all at once."""
+    rows = records(error=[0.0, 0.1, 0.2, 0.5], kinetic=[1.0, math.nan, 1.5, 3.0])
+    single, together = RunWatch(CHANNELS), watched(rows)
+    for row in rows:
+        single.add(row[None])
+        assert single.begun
+        single.state  # noqa: B018  a look
+    np.testing.assert_array_equal(single.state, together.state)
+    assert not together.finite
+    assert (together.gain, together.kinetic) == (2.5, 3.0)  # of a balance from 1 to 3.5 J
+
+
 def test_a_continuation_judges_the_same() -> None:
     rows = records(error=[0.0, 0.1, 0.7], kinetic=[1.0, 0.5, 0.0], potential=[0.0, 0.5, 1.0])
     whole, first, second = watched(rows), watched(rows[:2]), RunWatch(CHANNELS)

@@ -17,7 +17,7 @@ from scenarios import FLEXIBLE, RIGID, start_of
 
 from heavylift.numerics.objects import compiled_units
 from heavylift.numerics.outcome import InputError, Outcome
-from heavylift.solver import scene_checks
+from heavylift.solver import return_point, scene_checks
 from heavylift.solver.joints.hinge import Hinge
 from heavylift.solver.scene.connections import JointFrame
 from heavylift.solver.scene.scene import Gravity, RigidBody, Scene
@@ -205,6 +205,33 @@ def test_the_state_after_a_stop_is_the_last_good_one(
     sound.restore(stopped.state())
     sound.advance(10)
     assert sound.outcome is Outcome.COMPLETED
+
+
+@pytest.mark.parametrize("times", [0.0, np.inf])
+@pytest.mark.parametrize("looks", [False, True])
+def test_a_run_is_undone_to_its_last_good_step_from_any_point(
+    times: float, looks: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Repeated from before the call that failed, or from the first of many: state and records have the same bits."""
+    monkeypatch.setattr(scene_checks, "check_object", lambda *_, **__: None)  # which refuses the table
+    scene = SYSTEMS["driven"]
+    gravity, load, *others = scene.forces
+    forces = np.array([[1.0, 2.0, 3.0]] * 2 + [[np.nan, 2.0, 3.0]] * 2)
+    spoilt = replace(scene, forces=(gravity, replace(load, times=BREAK, forces=forces), *others))
+    whole = Simulation(spoilt, STEP, record_every=3)
+    _, expected = whole.advance(100)
+    monkeypatch.setattr(return_point, "TIMES", times)
+    simulation, found = Simulation(spoilt, STEP, record_every=3), []
+    for steps in (1, 1, 2, 7, 1, 100):
+        found.append(simulation.advance(steps)[1])
+        if looks and simulation.outcome is Outcome.COMPLETED:
+            simulation.record()
+    assert whole.outcome is simulation.outcome is Outcome.NOT_FINITE
+    assert (simulation.step_index, simulation.message) == (20, whole.message)
+    np.testing.assert_array_equal(np.concatenate(found), expected)
+    for key, value in whole.state().items():
+        if key != "cpu_seconds":
+            np.testing.assert_array_equal(simulation.state()[key], value)
 
 
 def test_a_state_of_other_bodies_of_the_same_shape_is_refused() -> None:

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.outcome import InputError
 from heavylift.solver.bodies.ancf.kind import POINT_MARKER, TANGENT_MARKER, TRIAD_MARKER, VECTOR_MARKER
 from heavylift.solver.bodies.ancf.types import type_of

@@ -8,12 +8,12 @@ Mass, bending and everything that kernels take from `constants` are made here, o
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cache, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.outcome import InputError
 from heavylift.solver.bodies.ancf.frame_data import (
     AXIAL,

@@ -13,13 +13,13 @@ along its axis, round, with a cross-section of the same area.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.outcome import InputError
 from heavylift.preprocess.surfaces.triangle_surface import TriangleSurface
 from heavylift.solver.bodies.ancf.types import type_of

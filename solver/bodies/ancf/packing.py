@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import lru_cache
 from operator import attrgetter
 
@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.block_pattern import BlockPattern, pack_blocks
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.lanes import block_shape
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.records import Records, filled, filled_rows, records

@@ -26,13 +26,13 @@ Records are looked at, at the ends of intervals.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.modal.reduced import LARGE_DEFLECTION
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.outcome import Outcome
 from heavylift.solver.bodies.floating_frame.packing import frame_inertia
 from heavylift.solver.bodies.frames.base import SLENDER

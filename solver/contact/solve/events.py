@@ -35,8 +35,11 @@ MOST_EVENTS = 20
 TRIALS, TRIALS_OF_EACH = 400, 10
 """Of times of impacts within a whole step: of all, and more for each contact."""
 
-MOST_EFFORT = 2e6
-"""Contacts times iterations of their solver, after which a whole step has no more trials: seconds."""
+MOST_EFFORT = 2e5
+"""Contacts times iterations of their solver, after which a whole step has no more trials: tenths of a second."""
+
+SEARCH_EFFORT = 5
+"""Iterations that cost as much as the search of a trial."""
 
 SHORTEST = 1e-6
 """Of a whole step: an impact nearer to its start happens there."""
@@ -274,6 +277,7 @@ def _find_impact(contacts: ContactRows, work: Workspace, step: float) -> None:
     early = SHORTEST * control.nominal_step < passing < PASSING * step
     if watched < 0 and passing < worst_time and early:
         control.splits += 1
+        control.effort += float(SEARCH_EFFORT * contact_count(contacts))
         work.control.split = passing
         return
     if worst >= 0:
@@ -287,6 +291,7 @@ def _find_impact(contacts: ContactRows, work: Workspace, step: float) -> None:
         control.watched = -1  # nothing is inside: the step stands
         return
     control.splits += 1
+    control.effort += float(SEARCH_EFFORT * contact_count(contacts))
     _next_time(contacts, work, step)
 
 

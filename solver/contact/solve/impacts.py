@@ -287,7 +287,8 @@ def count_rough(contacts: ContactRows) -> None:
     """Solutions of a step that is taken back count for nothing, so they are counted when it stands."""
     control, tally = contacts.control, contacts.tally[0]
     tally.rough += control.rough
-    tally.roughest = max(tally.roughest, control.roughest)
+    if control.roughest > tally.roughest:
+        tally.roughest, tally.roughest_time = control.roughest, control.time
 
 
 @kernel(internal=True)

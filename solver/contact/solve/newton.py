@@ -19,10 +19,10 @@ from heavylift.numerics.jit import kernel
 from heavylift.numerics.records import Records
 from heavylift.numerics.small import solve_symmetric_3
 from heavylift.solver.contact.laws.rows import clip
-from heavylift.solver.contact.layout import UNILATERAL, Problem, RowKind, RowParameters
+from heavylift.solver.contact.layout import UNILATERAL, Problem, RowKind, RowParameters, Work
 from heavylift.solver.contact.solve.fallback_gauss_seidel import sweep_contacts
 from heavylift.solver.contact.solve.fallback_proximal import share_redundant, take_proximal_steps
-from heavylift.solver.contact.solve.iteration import ACCEPTED, iterate
+from heavylift.solver.contact.solve.iteration import ACCEPTED, iterate, measure
 from heavylift.solver.contact.solve.problem import fill_rows, prepare
 from heavylift.solver.contact.solve.system import gather, multiply
 from heavylift.solver.kinds import Table, generic, implement
@@ -51,14 +51,18 @@ GROWTHS = (3.0, 10.0, 2.0, 2.0, 5.0, 0.0, 4.0, 30.0, 2.0)
 Each of them misses a few of 1000 problems with wedged contacts, but not the same ones.
 """
 
+SWEEP_WORK = 4e8
+"""Products of all sweeps: a few tenths of a second."""
+
 FROM_SWEEPS = 5
 """Attempt that is made of sweeps over the contacts, and after which attempts begin with what those have left."""
 
 MOST_WORK, LEAST_ITERATIONS = 2e10, 300
-"""Iterations times the cube of the velocities after which no more attempts are made: seconds; iterations at least.
+"""Iterations times the cube of the velocities after which no more attempts are made: tenths of a second; iterations at
+least.
 
 What has a solution is found in some hundred iterations; what has none, as a wall with targets that fit no motion, is
-given up after them, and the step is halved.
+given up after them. Its best impulses are kept, with their residual.
 """
 
 
@@ -76,10 +80,11 @@ def _solve(problem: Problem) -> tuple[int, int, float]:
         if not abs(p[i]) < np.inf:
             p[i] = 0.0
         work.begin[i] = p[i]
+        work.rough[i] = 0.0
     fill_rows(problem, work, 0.0, work.begin)
     status = BY_NEWTON
     found, total, residual = iterate(problem, work, p, FIRST_LIMIT, ACCEPTED)
-    most = max(LEAST_ITERATIONS, int(MOST_WORK / float(problem.counts.size) ** 3))
+    most, least = max(LEAST_ITERATIONS, int(MOST_WORK / float(problem.counts.size) ** 3)), np.inf
     for attempt in range(2):
         if not found:
             status = BY_PROXIMAL_STEPS
@@ -87,6 +92,8 @@ def _solve(problem: Problem) -> tuple[int, int, float]:
                 p[i] = 0.0 if attempt == 0 else work.begin[i]
             found, iterations, residual = share_redundant(problem, work, p, most)
             total += iterations
+            if not found:
+                least = _keep_best(problem, work, p, least)
     swept = False
     for attempt in range(len(LIMITS)):
         if found or (swept and total >= most):
@@ -94,12 +101,14 @@ def _solve(problem: Problem) -> tuple[int, int, float]:
         if attempt == FROM_SWEEPS or total >= most:
             swept = True
             fill_rows(problem, work, 0.0, work.begin)
-            found, iterations, residual = sweep_contacts(problem, work, p, MOST_WORK)
+            found, iterations, residual = sweep_contacts(problem, work, p, SWEEP_WORK)
             total += iterations
             for i in range(n):
                 work.begin[i] = p[i]
             if found:
                 status = BY_GAUSS_SEIDEL
+            else:
+                least = _keep_best(problem, work, p, least)
             continue
         from_none = 0 < attempt < FROM_SWEEPS
         for i in range(n):
@@ -111,10 +120,12 @@ def _solve(problem: Problem) -> tuple[int, int, float]:
         total += iterations
         if found:
             residual = after
-    if not found:  # impulses of the sweeps push at least
-        status = FAILED
+        else:
+            least = _keep_best(problem, work, p, least)
+    if not found:
+        status, residual = FAILED, least
         for i in range(n):
-            p[i] = work.begin[i]
+            p[i] = work.rough[i]
     for c in range(problem.counts.number):
         clip(problem.kinds, problem.parameters, c, p)
     gather(problem.counts.number, problem.ends, problem.blocks, problem.counts.size, p, 3, work.z)
@@ -122,6 +133,27 @@ def _solve(problem: Problem) -> tuple[int, int, float]:
     for i in range(problem.counts.size):
         out[i] += problem.start[i]
     return status, total, residual
+
+
+@kernel(internal=True)
+def _keep_best(problem: Problem, work: Work, p: NDArray[np.float64], least: float) -> float:
+    """Keep impulses of an attempt that found no solution if no others have a smaller residual; returns the smallest.
+
+    They are kept inside their cones: impulses that push, with friction within its bound, take energy out and let
+    bodies come together by no more than their residual.
+    """
+    for i in range(3 * problem.counts.number):
+        if not abs(p[i]) < np.inf:
+            return least
+    for c in range(problem.counts.number):
+        clip(problem.kinds, problem.parameters, c, p)
+    fill_rows(problem, work, 0.0, p)
+    residual = measure(problem, work, p)
+    if residual < least:
+        for i in range(3 * problem.counts.number):
+            work.rough[i] = p[i]
+        return residual
+    return least
 
 
 @kernel(inline=True, internal=True)

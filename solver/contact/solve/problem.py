@@ -24,7 +24,7 @@ __all__ = ["fill_rows", "make_work", "prepare"]
 def make_work(count: int, size: int) -> Work:
     """Room for some contacts on some velocities, or on that many rows."""
     of_contacts = {"diagonal": 2, "inverse": 2, "rows": ROWS, "records": RECORD, "N": CONTACT}
-    of_rows = ("w", "w0", "dw", "best", "kept", "begin")
+    of_rows = ("w", "w0", "dw", "best", "kept", "begin", "rough")
     of_velocities = ("z", "y", "x", "pivots", "active", "place", "reach", "y0")
     lengths = {name: width * count for name, width in of_contacts.items()}
     lengths |= dict.fromkeys(of_rows, 3 * count) | dict.fromkeys(of_velocities, size)

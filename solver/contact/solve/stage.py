@@ -69,8 +69,8 @@ SLOW = 1e-3
 accepted, 1e-10 of it, moves a gap by a thousandth of what gaps are found to. Where all is at rest the rates are
 rounding, which no impulses make consistent."""
 
-ENOUGH = 1e-6
-"""Relative residual of impulses that serve if none better are found; the run says so."""
+ENOUGH = 1e-3
+"""Relative residual of impulses that serve if none better are found; the run says so, with the largest and its time."""
 
 DEEP = 1e-5
 """Penetration relative to the size of a contact from which on it is pushed out gently, in `SOFTLY` of a step."""

@@ -57,8 +57,8 @@ class SurfacePair(Record):
         Most contacts at once.
     first_recorded, recorded
         Those that are recorded: the first in `SurfacePairs.recorded_columns`, and how many.
-    deforms
-        Whether a surface deforms.
+    deforms, keeps
+        Whether a surface deforms; whether a search is kept while the pair stands still.
     outside
         Of both surfaces: 1 if the other one began outside of its closed parts, -1 if within, 0 if nobody knows.
     patch_cosine, patch_size
@@ -67,8 +67,11 @@ class SurfacePair(Record):
         Sum of both roundings [m]; how far beyond the border of its face a contact is still on it [m].
     reach, patches
         Reach of the search in the last step [m], and how many patches it made.
-    members
-        How many contacts it has, in a search or record.
+    members, first_member, last_member
+        How many contacts it has, in a search or record; the first and the last of them, -1 without, see
+        `SurfacePairs.next_member`.
+    measured
+        Whether its clearance is asked for.
     force, gap
         Sum of the normal forces [N] and smallest gap [m] of its contacts, while those of a step are noted.
     """
@@ -84,6 +87,7 @@ class SurfacePair(Record):
     first_recorded: int
     recorded: int
     deforms: bool
+    keeps: bool
     outside: BothFloats
     patch_cosine: float
     patch_size: float
@@ -92,6 +96,9 @@ class SurfacePair(Record):
     reach: float
     patches: int
     members: int
+    first_member: int
+    last_member: int
+    measured: bool
     force: float
     gap: float
 
@@ -204,8 +211,11 @@ class SurfacePairs(Arrays):
         Of what was found: patch that it becomes a contact of, or -1.
     chosen, sums, grid
         Scratch of patches: shapes (n, 4), (n,) and as long as they need.
-    slots, chains
-        Table in which contacts are looked up by their features.
+    next_member
+        Contact of the same pair that follows each contact, -1 behind the last one.
+    slots, chains, entered
+        Table in which contacts are looked up by their features: first contact of each slot, -1 without, and the next
+        one of each contact; how many have been entered since it was emptied, then their slots.
     kept
         Contacts found in a step that is taken back.
     outward, edge_outward
@@ -243,8 +253,10 @@ class SurfacePairs(Arrays):
     chosen: Ints2
     sums: Floats1
     grid: Ints1
+    next_member: Ints1
     slots: Ints1
     chains: Ints1
+    entered: Ints1
     kept: Records[ContactState]
     outward: Floats1
     edge_outward: Floats2

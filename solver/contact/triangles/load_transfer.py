@@ -6,7 +6,6 @@ import math
 
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.vectors import add, add_scaled, cross, rotate, scaled
-from heavylift.solver.contact.counts import contact_count
 from heavylift.solver.contact.kind import COMPLIANT, ContactRows
 from heavylift.solver.contact.laws.normal_force import stored_energy
 from heavylift.solver.contact.triangles.kind import SurfacePairs
@@ -59,9 +58,12 @@ def goes_on(
     kind, feature, other = found.kind, found.first, found.second
     side = meshes.found.contacts[i].side
     taken, nearest, turned = -1, math.inf, 1.0
-    for c in range(contacts.counts.of_contours, contact_count(contacts)):
+    following = meshes.pairs[pair].first_member
+    while following >= 0:
+        c = following
+        following = meshes.next_member[c]
         state = contacts.state[c]
-        if state.pair != pair or not holds(contacts, c) or not state.beside > meshes.pairs[pair].border:
+        if not holds(contacts, c) or not state.beside > meshes.pairs[pair].border:
             continue
         if state.feature_kind != kind or not (state.feature == feature or state.other_feature == other):
             continue

@@ -11,6 +11,9 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from heavylift.contours.triangles.surface_pack import WORTH_KEEPING
+from heavylift.numerics.derived import derived
+
 if TYPE_CHECKING:
     from heavylift.contours.triangles.surface_pack import CollisionSurfaces
 
@@ -53,11 +56,32 @@ def closed_parts(surfaces: CollisionSurfaces, deforming: Collection[int]) -> Clo
     deforming
         Numbers of those that deform: none of their parts counts as closed.
     """
+    triangles = surfaces.triangles
+    inputs = (
+        surfaces.points,
+        triangles["corners"],
+        triangles["edges"],
+        surfaces.normals,
+        len(surfaces.edges),
+        np.isin(triangles["surface"], list(deforming)),
+    )
+    if len(triangles) <= WORTH_KEEPING:
+        return _closed_parts(*inputs)
+    return derived(ClosedParts, _closed_parts, *inputs)
+
+
+def _closed_parts(
+    points: NDArray[np.float64],
+    corners: NDArray[np.int64],
+    edges: NDArray[np.int64],
+    normals: NDArray[np.float64],
+    edge_count: int,
+    deforms: NDArray[np.bool_],
+) -> ClosedParts:
+    """The same of arrays; `deforms` tells of each triangle whether its surface does."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
 
-    corners: NDArray[np.int64] = surfaces.triangles["corners"]
-    points = surfaces.points
     count = len(points)
     start, end = corners.ravel(), np.roll(corners, -1, axis=1).ravel()
     graph = coo_array((np.ones(len(start)), (start, end)), shape=(count, count))
@@ -69,7 +93,7 @@ def closed_parts(surfaces: CollisionSurfaces, deforming: Collection[int]) -> Clo
     keys, number, times = np.unique(start * count + end, return_inverse=True, return_counts=True)
     met = np.isin(end * count + start, keys) & (times[number.ravel()] == 1)
     shut = np.bincount(owner[~met], minlength=parts) == 0
-    shut[np.unique(part[np.isin(surfaces.triangles["surface"], list(deforming))])] = False
+    shut[np.unique(part[deforms])] = False
     volume, size = np.zeros(parts), np.zeros(parts)
     # measured from a corner of each part, or rounding far from the origin would make volumes of its own
     first = np.zeros((parts, 3))
@@ -79,16 +103,17 @@ def closed_parts(surfaces: CollisionSurfaces, deforming: Collection[int]) -> Clo
     np.maximum.at(size, part, np.abs(np.stack([a, b, c])).max(axis=(0, 2)))
     shut &= np.abs(volume) > FLAT * size**3
     outward = np.where(shut, np.sign(volume), 0.0)[part]
-    return ClosedParts(part, outward, _edges_outward(surfaces, outward))
+    return ClosedParts(part, outward, _edges_outward(edges, normals, edge_count, outward))
 
 
-def _edges_outward(surfaces: CollisionSurfaces, outward: NDArray[np.float64]) -> NDArray[np.float64]:
+def _edges_outward(
+    edges: NDArray[np.int64], normals: NDArray[np.float64], edge_count: int, outward: NDArray[np.float64]
+) -> NDArray[np.float64]:
     """Half way between the normals of the faces at each edge."""
-    total = np.zeros((len(surfaces.edges), 3))
-    edges = surfaces.triangles["edges"]
+    total = np.zeros((edge_count, 3))
     for side in range(3):
         there = edges[:, side] >= 0
-        np.add.at(total, edges[there, side], (outward[:, np.newaxis] * surfaces.normals)[there])
+        np.add.at(total, edges[there, side], (outward[:, np.newaxis] * normals)[there])
     length = np.linalg.norm(total, axis=1)
     known = length > SHARPEST
     total[~known] = 0.0

@@ -147,6 +147,7 @@ def pack_collisions(
         recorded += of_contacts
         pair.most = most_of(collision, scene)
         pair.deforms = first in deforming or second in deforming
+        pair.keeps = not pair.deforms
         if pair.deforms and isinstance(law, RigidLaw) and law.restitution == 0.0:
             pair.events = False  # each impact sends waves, and each wave opens and closes others
         held = [attachment(scene.surfaces[k].body) for k in (first, second)]
@@ -173,6 +174,9 @@ def pack_collisions(
     placed = records(ContourPose, len(poses))
     for i, pose in enumerate(poses):
         placed[i] = pose
+    pairs["first_member"] = pairs["last_member"] = -1
+    asked_for = _asked_for(scene)
+    pairs["measured"] = asked_for
     parts = closed_parts(packed, deforming)
     _put_outside(pairs, packed, parts, poses)
     places = len(scene.contacts) + most
@@ -204,12 +208,14 @@ def pack_collisions(
         chosen=np.zeros((items, EXTREMES), dtype=np.int64),
         sums=np.zeros(items),
         grid=np.zeros(patch_scratch_size(items), dtype=np.int64),
-        slots=np.zeros(1 << (2 * most - 1).bit_length(), dtype=np.int64),
+        next_member=np.full(places, -1, dtype=np.int64),
+        slots=np.full(1 << (2 * most - 1).bit_length(), -1, dtype=np.int64),
         chains=np.zeros(places, dtype=np.int64),
+        entered=np.zeros(places + 1, dtype=np.int64),
         kept=records(ContactState, places),
         outward=parts.outward,
         edge_outward=parts.edge_outward,
-        clearances=Clearing(make_clearances(packed, _asked_for(scene))),
+        clearances=Clearing(make_clearances(packed, asked_for)),
     )
     return PackedCollisions(
         meshes=Colliding((meshes,)),

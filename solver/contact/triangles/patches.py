@@ -12,18 +12,14 @@ from heavylift.contours.triangles.feature_gap import feature_gap
 from heavylift.contours.triangles.feature_report import UNKNOWN, FoundContact
 from heavylift.contours.triangles.patches import EXTREMES, extreme_points, group_patches
 from heavylift.numerics.jit import kernel
-from heavylift.solver.contact.counts import contact_count
-from heavylift.solver.contact.kind import (
-    COMPLIANT,
-    ContactRows,
-)
+from heavylift.solver.contact.kind import ContactRows
 from heavylift.solver.contact.laws.normal_force import stored_energy
 from heavylift.solver.contact.triangles.kind import (
     SurfacePairs,
 )
 from heavylift.solver.contact.triangles.slots import look_up
 
-__all__ = ["choose_contacts", "share_stiffness", "sort_found"]
+__all__ = ["choose_contacts", "patch_count", "share_stiffness", "sort_found"]
 
 DEEPER = 1e-9
 """Of the size: what is deeper than those that span its patch by less does not count."""
@@ -103,16 +99,17 @@ def choose_contacts(meshes: SurfacePairs, contacts: ContactRows, pair: int, coun
     nearer than `ahead` [m] that are nearer than all that span it: steps that are not split stop them too.
     """
     n, size = 0, meshes.pair_values[pair].length_scale
-    first, last = contacts.counts.of_contours, contact_count(contacts)
-    for c in range(first, last if meshes.pairs[pair].members > 0 else first):
+    c = meshes.pairs[pair].first_member
+    while c >= 0:
         state = contacts.state[c]
-        if state.pair == pair and state.beside > meshes.pairs[pair].border:
+        if state.beside > meshes.pairs[pair].border:
             state.patch = -1  # at this place what was found beside it counts
-        elif state.pair == pair:
+        else:
             kind, feature, other = state.feature_kind, state.feature, state.other_feature
             _put_item(meshes, pair, n, kind, feature, other, state.side, c)
             meshes.active[n] = 1
             n += 1
+        c = meshes.next_member[c]
     for i in range(count):
         found = meshes.found.contacts[i]
         kind, feature, other = found.kind, found.first, found.second
@@ -178,6 +175,16 @@ def _mark_chosen(
             meshes.keeps[meshes.owners[i]] = k
 
 
+@kernel(internal=True)
+def patch_count(meshes: SurfacePairs, contacts: ContactRows, pair: int) -> int:
+    """Patches that the contacts of a pair are in."""
+    highest, c = -1, meshes.pairs[pair].first_member
+    while c >= 0:
+        highest = max(highest, contacts.state[c].patch)
+        c = meshes.next_member[c]
+    return highest + 1
+
+
 @kernel(inline=True, internal=True)
 def _weight(gap: float, reach: float) -> float:
     """1 of what touches, 0 of what is out of reach."""
@@ -195,16 +202,17 @@ def share_stiffness(
     """
     for k in range(patches):
         meshes.sums[k] = 0.0
-    first, last = contacts.counts.of_contours, contact_count(contacts)
-    for c in range(first, last):
+    c = meshes.pairs[pair].first_member
+    while c >= 0:
         state = contacts.state[c]
-        if state.pair == pair and state.patch >= 0:
+        if state.patch >= 0:
             meshes.sums[state.patch] += _weight(state.end_gap, reach)
-    stiffness = meshes.pair_values[pair].stiffness
-    for c in range(first, last):
+        c = meshes.next_member[c]
+    stiffness, following = meshes.pair_values[pair].stiffness, meshes.pairs[pair].first_member
+    while following >= 0:
+        c = following
+        following = meshes.next_member[c]
         state, values = contacts.state[c], contacts.values[c]
-        if state.pair != pair or contacts.table[c].law != COMPLIANT:
-            continue
         before = values.stiffness
         if state.patch >= 0 and meshes.sums[state.patch] > 0.0:
             state.share = _weight(state.end_gap, reach) / meshes.sums[state.patch]

@@ -81,11 +81,11 @@ def _record_sums(
     sums.impulse, sums.dissipated, sums.impacts = gone.impulse, gone.loss + max(gone.jumps, 0.0), gone.impacts
     sums.impact_impulse = gone.impact_impulse
     highest = -1.0
-    first, last = contacts.counts.of_contours, contact_count(contacts)
-    for c in range(first, last if meshes.pairs[pair].members > 0 else first):
+    following = meshes.pairs[pair].first_member
+    while following >= 0:
+        c = following
+        following = meshes.next_member[c]
         state = contacts.state[c]
-        if state.pair != pair:
-            continue
         sums.gap = min(sums.gap, state.gap)
         sums.impulse += state.impulse
         sums.impact_impulse += state.impact_impulse
@@ -121,12 +121,14 @@ def _record_sums(
             sums.point[k] /= sums.normal_force
     for patch in range(int(highest) + 1):
         total, members = 0.0, 0
-        for c in range(contacts.counts.of_contours, contact_count(contacts)):
+        c = meshes.pairs[pair].first_member
+        while c >= 0:
             state = contacts.state[c]
             touches = state.normal_force > 0.0 or state.closed
-            if state.pair == pair and state.patch == patch and touches:
+            if state.patch == patch and touches:
                 total += state.normal_force
                 members += 1
+            c = meshes.next_member[c]
         sums.largest_force = max(sums.largest_force, total)
         sums.patches += 1.0 if members > 0 else 0.0
 
@@ -137,14 +139,14 @@ def _record_largest(meshes: SurfacePairs, contacts: ContactRows, pair: int, row:
     before, last = math.inf, -1
     for i in range(meshes.pairs[pair].recorded):
         best, largest = -1, -1.0
-        begin, end = contacts.counts.of_contours, contact_count(contacts)
-        for c in range(begin, end if meshes.pairs[pair].members > 0 else begin):
-            state = contacts.state[c]
-            force = state.normal_force
-            touches = force > 0.0 or state.closed
+        c = meshes.pairs[pair].first_member
+        while c >= 0:
+            force = contacts.state[c].normal_force
+            touches = force > 0.0 or contacts.state[c].closed
             later = force < before or (force == before and c > last)
-            if state.pair == pair and touches and later and force > largest:
+            if touches and later and force > largest:
                 best, largest = c, force
+            c = meshes.next_member[c]
         out = recorded_outputs(row, meshes.recorded_columns[meshes.pairs[pair].first_recorded + i])
         _clear(out.words)
         out.patch = -1.0

@@ -24,7 +24,12 @@ from heavylift.solver.contact.triangles.load_transfer import book_jump, goes_on,
 from heavylift.solver.contact.triangles.material import settle_by_material
 from heavylift.solver.contact.triangles.modal_facets import follow_modes, place_near
 from heavylift.solver.contact.triangles.narrow_phase import narrow_phase_mesh, relative_pose
-from heavylift.solver.contact.triangles.patches import choose_contacts, share_stiffness, sort_found
+from heavylift.solver.contact.triangles.patches import (
+    choose_contacts,
+    patch_count,
+    share_stiffness,
+    sort_found,
+)
 from heavylift.solver.contact.triangles.sides import (
     ABOUT_NOTHING,
     deepest_of,
@@ -42,6 +47,7 @@ from heavylift.solver.contact.triangles.slots import (
     put_placed,
     surface_count,
 )
+from heavylift.solver.contact.triangles.standing import contacts_mark, count_still, note_standing, stands
 from heavylift.solver.interface import Bodies, Workspace
 from heavylift.solver.kinds import implement
 
@@ -132,6 +138,14 @@ def _search_pair(
     reach = (AT_START if first else NEAR_ENOUGH) * size + (AHEAD * moved if early else 0.0)
     meshes.pairs[pair].reach = reach
     depth = DEEPER * deepest_of(meshes, contacts, pair)
+    standing = meshes.pairs[pair].keeps and not first
+    mark = contacts_mark(meshes, contacts, pair) if standing else 0
+    if standing and stands(meshes, contacts, pair, reach + depth, mark):
+        _follow_contacts(meshes, contacts, bodies, pair, work)
+        if contacts_mark(meshes, contacts, pair) == mark:
+            meshes.pairs[pair].patches = patch_count(meshes, contacts, pair)
+            count_still(contacts, pair)
+            return
     method = meshes.pairs[pair].method
     place_near(meshes, contacts, pair, meshes.motions[pair], reach + depth)
     find_features(meshes.searches, pair, meshes.motions[pair], reach, depth, method)
@@ -139,7 +153,7 @@ def _search_pair(
     if count < 0:
         _stop(contacts, pair, work)
         return
-    lost = _follow_contacts(meshes, contacts, bodies, pair, size, work)
+    lost = _follow_contacts(meshes, contacts, bodies, pair, work)
     sort_found(meshes, count)
     settle_sides(meshes, contacts, pair, count, first)
     settle_by_material(meshes, contacts, pair, count)
@@ -162,6 +176,8 @@ def _search_pair(
             _stop(contacts, pair, work)
             return
     meshes.pairs[pair].patches = patches
+    if standing:
+        note_standing(meshes, contacts, pair, reach + depth, mark, contacts_mark(meshes, contacts, pair))
 
 
 @kernel(internal=True)
@@ -198,19 +214,17 @@ def _stop(contacts: ContactRows, pair: int, work: Workspace) -> None:
 
 @kernel(internal=True)
 def _follow_contacts(
-    meshes: SurfacePairs, contacts: ContactRows, bodies: Bodies, pair: int, size: float, work: Workspace
+    meshes: SurfacePairs, contacts: ContactRows, bodies: Bodies, pair: int, work: Workspace
 ) -> int:
     """Gaps and rows of the contacts of a pair; how many of the closed ones have left their face or edges."""
-    lost = 0
-    if meshes.pairs[pair].members == 0:
-        return lost
-    for c in range(contacts.counts.of_contours, contact_count(contacts)):
+    lost, c = 0, meshes.pairs[pair].first_member
+    while c >= 0:
         state = contacts.state[c]
-        if state.pair == pair:
-            narrow_phase_mesh(meshes, contacts, bodies, c, work)
-            state.hit, state.passed = 0, 0.0
-            if holds(contacts, c) and state.beside > meshes.pairs[pair].border:
-                lost += 1
+        narrow_phase_mesh(meshes, contacts, bodies, c, work)
+        state.hit, state.passed = 0, 0.0
+        if holds(contacts, c) and state.beside > meshes.pairs[pair].border:
+            lost += 1
+        c = meshes.next_member[c]
     return lost
 
 

@@ -9,7 +9,6 @@ from heavylift.contours.triangles.feature_report import UNKNOWN
 from heavylift.contours.triangles.surface_layout import RelativePose
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.vectors import dot, rotate, subtract
-from heavylift.solver.contact.counts import contact_count
 from heavylift.solver.contact.kind import ContactRows
 from heavylift.solver.contact.triangles.kind import SurfacePairs
 from heavylift.solver.contact.triangles.slots import look_up
@@ -97,16 +96,16 @@ def deepest_of(meshes: SurfacePairs, contacts: ContactRows, pair: int) -> float:
     What rests has no depth but that of rounding, by which others beside it may be inside too.
     """
     deepest, rounding = 0.0, ABOUT_NOTHING * meshes.pair_values[pair].length_scale
-    if meshes.pairs[pair].members == 0:
-        return deepest
-    for c in range(contacts.counts.of_contours, contact_count(contacts)):
-        if contacts.state[c].pair == pair and holds(contacts, c):
+    c = meshes.pairs[pair].first_member
+    while c >= 0:
+        if holds(contacts, c):
             deepest = max(deepest, rounding, -contacts.state[c].gap)
+        c = meshes.next_member[c]
     return deepest
 
 
 @kernel(internal=True)
-def _known_side(meshes: SurfacePairs, contacts: ContactRows, pair: int, count: int, near: float) -> int:
+def _known_side(meshes: SurfacePairs, contacts: ContactRows, pair: int, near: float) -> int:
     """Whether the nearest contact that touches along the line of the normal left in `touch` does so along it: 1 or -1.
 
     0 if none does.
@@ -115,9 +114,12 @@ def _known_side(meshes: SurfacePairs, contacts: ContactRows, pair: int, count: i
     x1, x2, x3 = rotate(pose.rotation, touch.point_a)
     x1, x2, x3 = x1 + pose.origin[0], x2 + pose.origin[1], x3 + pose.origin[2]
     sense, nearest = 0, math.inf
-    for k in range(contacts.counts.of_contours, count):
+    following = meshes.pairs[pair].first_member
+    while following >= 0:
+        k = following
+        following = meshes.next_member[k]
         state = contacts.state[k]
-        if state.pair != pair or not (holds(contacts, k) or abs(state.gap) <= near):
+        if not (holds(contacts, k) or abs(state.gap) <= near):
             continue
         cosine = aligned(meshes, contacts, pair, k)
         d1, d2, d3 = x1 - state.touched[0], x2 - state.touched[1], x3 - state.touched[2]
@@ -145,7 +147,7 @@ def settle_sides(meshes: SurfacePairs, contacts: ContactRows, pair: int, count: 
         start = _touching_at_start(meshes, pair, i)
         sense = 0
         if abs(start) <= nothing and not deforms:
-            sense = _known_side(meshes, contacts, pair, contact_count(contacts), nothing)
+            sense = _known_side(meshes, contacts, pair, nothing)
         if found.hit == UNKNOWN:  # it has come through where something holds that has, too
             found.hit = 0 if sense > 0 else UNKNOWN
         elif sense < 0:

@@ -103,11 +103,25 @@ def restore_contacts(meshes: SurfacePairs, contacts: ContactRows) -> None:
 
 @kernel(internal=True)
 def count_members(meshes: SurfacePairs, contacts: ContactRows) -> None:
-    """How many contacts each pair has: of many pairs most have none, which no loop over all contacts need find out."""
+    """Contacts of each pair, in the order of their numbers: `SurfacePair.first_member` and what follows it."""
     for pair in range(meshes.pairs.shape[0]):
-        meshes.pairs[pair].members = 0
+        one = meshes.pairs[pair]
+        one.members, one.first_member, one.last_member = 0, -1, -1
     for c in range(contacts.counts.of_contours, contact_count(contacts)):
-        meshes.pairs[contacts.state[c].pair].members += 1
+        _join(meshes, contacts.state[c].pair, c)
+
+
+@kernel(inline=True, internal=True)
+def _join(meshes: SurfacePairs, pair: int, c: int) -> None:
+    """A contact becomes the last one of its pair."""
+    one = meshes.pairs[pair]
+    if one.members == 0:
+        one.first_member = c
+    else:
+        meshes.next_member[one.last_member] = c
+    meshes.next_member[c] = -1
+    one.last_member = c
+    one.members += 1
 
 
 @kernel(internal=True)
@@ -121,7 +135,7 @@ def add_contact(meshes: SurfacePairs, contacts: ContactRows, pair: int) -> int:
     contacts.state[c].touch_damping = -1.0
     _assign(meshes, contacts, c)
     _set_count(contacts, c + 1)
-    meshes.pairs[pair].members += 1
+    _join(meshes, pair, c)
     take_slots(meshes, contacts, c)
     return c if contacts.state[c].slots[0] >= 0 else -1
 
@@ -233,8 +247,9 @@ def _slot(meshes: SurfacePairs, pair: int, kind: int, feature: int, other: int) 
 @kernel(internal=True)
 def fill_table(meshes: SurfacePairs, contacts: ContactRows) -> None:
     """All contacts that are there."""
-    for i in range(meshes.slots.shape[0]):
-        meshes.slots[i] = -1
+    for i in range(meshes.entered[0]):
+        meshes.slots[meshes.entered[1 + i]] = -1
+    meshes.entered[0] = 0
     for c in range(contacts.counts.of_contours, contact_count(contacts)):
         enter(meshes, contacts, c)
 
@@ -246,6 +261,8 @@ def enter(meshes: SurfacePairs, contacts: ContactRows, c: int) -> None:
     at = _slot(meshes, state.pair, state.feature_kind, state.feature, state.other_feature)
     meshes.chains[c] = meshes.slots[at]
     meshes.slots[at] = c
+    meshes.entered[0] += 1
+    meshes.entered[meshes.entered[0]] = at
 
 
 @kernel(internal=True)

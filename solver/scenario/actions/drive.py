@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.quantity import ByCoordinate, Quantity
 from heavylift.solver.scene.actions import ACTIONS, Action, MotionKeys, NamesOf, Ramp
 from heavylift.solver.scene.commands import Command

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.quantity import Quantity
 from heavylift.solver.scenario.actions.winch import LevelKeys, WinchHaul, scaled_limits, winch_action
 from heavylift.solver.scene.actions import ACTIONS, NamesOf

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.outcome import InputError
 from heavylift.solver.scenario.actions.fail import MACHINES, WORDS, Sort, check_machine, machines_of
 from heavylift.solver.scene.actions import ACTIONS, Action, ActionKeys, NamesOf

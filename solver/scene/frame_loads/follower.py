@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Annotated, Any
 
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.quantity import Quantity
 from heavylift.solver.scene.mesh_loads import FRAME_LOADS, SpreadLoad, Turning
 from heavylift.solver.scene.mesh_shapes import FrameMesh, ShellMesh

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Annotated, Any, Literal
 
 from annotated_types import Interval
 
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.quantity import Quantity
 from heavylift.solver.scene.mesh_loads import FRAME_LOADS, MeshLoad, Turning

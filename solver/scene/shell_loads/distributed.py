@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
 
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.quantity import Quantity, Shape
 from heavylift.solver.scene.mesh_loads import SHELL_LOADS, SpreadLoad
 from heavylift.solver.scene.mesh_shapes import FrameMesh, ShellMesh

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Annotated
 
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.quantity import Quantity
 from heavylift.solver.scene.mesh_loads import SHELL_LOADS, SpreadLoad
 from heavylift.solver.scene.mesh_shapes import FrameMesh, ShellMesh

@@ -19,12 +19,12 @@ which needs no cap at the water plane.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.outcome import InputError
 from heavylift.solver.water.hulls.hydrostatics import (
     FloatingHull,

@@ -8,11 +8,11 @@ is that with free trim and constant displacement.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.records import records
 from heavylift.solver.water.hulls.clipping import Clip, buoyancy_stiffness, clip_surface_now

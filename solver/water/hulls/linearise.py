@@ -8,12 +8,13 @@ constraints; bodies that do not float enter with their mass. The databases of it
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.rotation import rotation_matrix
 from heavylift.preprocess.hydrodynamics.database import HydrodynamicDatabase, over_full_circle

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, ClassVar
 
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.quantity import Positive, Quantity
 from heavylift.solver.scene.waves import WAVES, FromFile, WaveFile, Waves
 from heavylift.solver.water.waves.wave_trains import measured_waves

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, ClassVar
 
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.quantity import Positive
 from heavylift.solver.scene.waves import WAVES, IrregularWaves
 from heavylift.solver.water.waves.spectra import pierson_moskowitz

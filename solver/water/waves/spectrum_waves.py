@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, ClassVar
 
+from heavylift.numerics.classes import dataclass
 from heavylift.solver.scene.waves import WAVES, FromFile, IrregularWaves, WaveFile
 from heavylift.solver.water.waves.spectra import tabulated_spectrum
 

@@ -7,11 +7,10 @@ interpolated apart: where an amplitude passes zero the phase jumps.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.outcome import InputError
 from heavylift.preprocess.hydrodynamics.database import HydrodynamicDatabase, over_full_circle
 from heavylift.solver.water.waves.spectra import dispersion

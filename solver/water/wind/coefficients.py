@@ -8,13 +8,14 @@ and offshore structures" (2018), eqs. (225) and (228).
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import field
 from itertools import pairwise
 from typing import Annotated, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.quantity import BodyPoint, Positive, Quantity, Shape, TableFile
 from heavylift.solver.scene.descriptions import no_rows

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Annotated
 
 from annotated_types import Interval
 
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.quantity import Positive
 from heavylift.solver.scene.wind_loads import WIND_SPECTRA, FluctuationRecord, fluctuation_record
 

@@ -12,11 +12,11 @@ and operating considerations, wind. The spectrum holds from 1/600 to 0.5 Hz.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from heavylift.numerics.classes import dataclass
 from heavylift.numerics.outcome import InputError
 
 __all__ = [

@@ -8,6 +8,7 @@ import pytest
 from heavylift.modal.flexibility import Flexibility
 from heavylift.numerics.outcome import InputError, InputErrors, Outcome
 from heavylift.pipeline import load_case
+from heavylift.pipeline.checks import body_stress as body_stress_module
 from heavylift.pipeline.checks.body_stress import body_stress
 from heavylift.pipeline.checks.criteria import evaluate_criterion
 from heavylift.pipeline.checks.quantities import Quantities
@@ -555,3 +556,21 @@ def test_what_a_table_of_stress_lacks_is_said_before_a_run(tmp_path):
         InputError, match=r"bodies\.held\.stress\.groups\.1\.name: group 'hlaf' does not exist"
     ):
         run_case(case, stages=("simulate",))
+
+
+def test_what_was_found_sound_is_not_looked_at_again(tmp_path, monkeypatch):
+    (tmp_path / "case.toml").write_text(RESTING)
+    run_case(load_case(tmp_path), stages=("mesh", "modes", "simulate"))
+    looked: list[str] = []
+    parts = body_stress_module._parts
+    monkeypatch.setattr(
+        body_stress_module, "_parts", lambda *given: (looked.append(given[1]), parts(*given))[1]
+    )
+    run_case(load_case(tmp_path), stages=("simulate",), force=("simulate",))
+    assert looked == []
+    text = RESTING.replace('name = "half", yield_strength', 'name = "hlaf", yield_strength')
+    (tmp_path / "case.toml").write_text(text)
+    for _ in range(2):
+        with pytest.raises(InputError, match="group 'hlaf' does not exist"):
+            run_case(load_case(tmp_path), stages=("simulate",), force=("simulate",))
+    assert len(looked) == 2

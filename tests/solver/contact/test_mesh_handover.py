@@ -95,6 +95,8 @@ def touched():
     state.touched[:] = 0.2, 0.0, -0.5 * DEPTH
     contacts.table[0].law, contacts.table[0].force_law = (kind.COMPLIANT, meshes.pairs[0].force_law)
     contacts.values[0] = meshes.pair_values[0]
+    pair = meshes.pairs[0]
+    pair.members, pair.first_member, pair.last_member = 1, 0, 0
     return meshes, contacts
 
 

@@ -13,6 +13,8 @@ from point_masses import System, make_cloud
 from scenarios import start_of
 
 from heavylift.numerics.outcome import InputError, Outcome
+from heavylift.solver import return_point, scene_checks
+from heavylift.solver.forces.point import PointForce
 from heavylift.solver.joints.hinge import Hinge
 from heavylift.solver.scenario.actions.connect import Connect
 from heavylift.solver.scenario.actions.drive import DriveSpeed, DriveTo
@@ -505,6 +507,35 @@ def test_what_is_said_from_outside() -> None:
     spec = [(line.time, line.what) for line in simulation.operation.log if line.event == "operator command"]
     assert spec == [(0.5, "continue"), (1.0, "hold"), (2.0, "continue"), (2.1, "stop")]
     assert again.operation.log == simulation.operation.log
+
+
+def test_what_was_said_is_not_forgotten_where_a_run_is_undone(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Steps are repeated from behind the last word, however cheap they were: the log is the same."""
+    monkeypatch.setattr(scene_checks, "check_object", lambda *_, **__: None)  # which refuses the table
+    made = hanging(Phase("next", until=after(1.0)), Phase("last", until=after(9.0)))
+    broken = PointForce(
+        "broken",
+        body="load",
+        point=np.zeros(3),
+        times=np.array([0.0, 2.0, 2.01, 3.0]),
+        forces=np.array([[0.0] * 3] * 2 + [[np.nan] * 3] * 2),
+    )
+    made = replace(made, forces=(*made.forces, broken))
+    seen = []
+    for times in (0.0, np.inf):
+        monkeypatch.setattr(return_point, "TIMES", times)
+        simulation = Simulation(made, 0.01)
+        simulation.advance(50)
+        simulation.operation.tell("hold", simulation.time)
+        for steps in (20, 80, 1000):
+            simulation.advance(steps)
+        assert simulation.outcome is Outcome.NOT_FINITE
+        assert ends(simulation) == []
+        seen.append((simulation.step_index, simulation.operation.log, simulation.record()))
+    (index, log, record), (other_index, other_log, other_record) = seen
+    assert (index, log) == (other_index, other_log)
+    np.testing.assert_array_equal(record, other_record)
+    assert [line.what for line in log if line.event == "operator command"] == ["hold"]
 
 
 def test_continue_is_kept_while_another_track_goes_on() -> None:

@@ -174,6 +174,28 @@ def test_extremes_that_stand_alone_where_a_step_was_a_sliver_are_told() -> None:
     assert told(np.column_stack([wave, wave]), sliver) == ""
 
 
+def test_extremes_are_the_same_looked_at_one_by_one_or_at_once() -> None:
+    """Distances that come one after the other among the largest, also those of rows at the joints of pieces."""
+    channels = (Channel("hook.load_max", "N", ("x", "y"), 0, ""), Channel("hook.load_min", "N", ("",), 2, ""))
+    records = np.random.default_rng(2).normal(size=(200, 3)) * np.geomspace(1.0, 5.0, 200)[:, None]
+    together, single, pieces = (LoneExtremes(channels) for _ in range(3))
+    together.add(records)
+    for row in records:
+        single.add(row[None])
+        single.state  # noqa: B018  a look
+    for first, last in ((0, 1), (1, 3), (3, 90), (90, 200)):
+        pieces.add(records[first:last])
+        other = LoneExtremes(channels)
+        other.state = pieces.state
+        pieces = other
+    np.testing.assert_array_equal(single.state, together.state)
+    np.testing.assert_array_equal(pieces.state, together.state)
+    middle, beside = records[1:-1], (records[:-2], records[2:])
+    peaks = (middle - beside[0]) * (middle - beside[1]) > 0.0
+    lone = np.where(peaks, np.minimum(*(np.abs(middle - one) for one in beside)), 0.0)
+    np.testing.assert_array_equal(together._largest, -np.sort(-lone, axis=0)[:4])
+
+
 def test_what_stands_still_has_no_extremes_that_stand_alone() -> None:
     """Rounding beside another channel of the same unit that moves."""
     channels = (

@@ -1,0 +1,1 @@
+"""Trees of rigid bodies in joint coordinates, in the accurate integrator."""
