@@ -288,8 +288,7 @@ def measure(name: str, file: Path, out: Path, runs: int) -> Row:
     """
     folder, report = out / name, out / f"{name.replace('/', '_')}.parts"
     os.environ[REPORT] = str(report)
-    if not (folder / "simulate" / "results.h5").is_file():
-        simulate(file, folder, "--quiet", mode="--measured")
+    simulate(file, folder, "--quiet", mode="--measured")  # nothing, if it has been simulated by these sources
     found: list[tuple[dict[str, float], dict[str, Any]]] = []
     while not found or (len(found) < runs and sum(found[-1][0].values()) < LONG):
         total, done = simulate(file, folder, "--force", "--json", mode="--measured")
