@@ -360,11 +360,8 @@ class Simulation:
             return text
 
         with compile_clock() as compiling:
-            if self._starts is not None and self._start_mode in AT_REST and not settles:
-                from heavylift.solver.start.kept import known_start
-
-                words = (self._start_mode, self._fits_tensions, self.integrator, self.step, self.tolerance)
-                self.start_text = known_start(rows, self._starts, words, search)
+            if self._start_mode in AT_REST and not settles:
+                (self.start_text,) = self._known_start(rows, lambda: (search(),))
             else:
                 self.start_text = search()
         if self._start_mode in AT_REST and not settles:
@@ -388,6 +385,17 @@ class Simulation:
         kept = independent_rows(rows)
         if kept is not None:
             self._layout.systems[-1].keep_rows(rows.places, kept)
+
+    def _known_start(
+        self, rows: Any, search: Callable[[], tuple[str, ...]], *words: object
+    ) -> tuple[str, ...]:
+        """Bring the scene to rest by a search that sees the scene and some words, or as it was found to rest before."""
+        if self._starts is None:
+            return search()
+        from heavylift.solver.start.kept import known_start
+
+        seen = (self._start_mode, self._fits_tensions, self.integrator, self.step, self.tolerance, *words)
+        return known_start(rows, self._starts, seen, search)
 
     def _check_strains(self) -> None:
         """Refuse ropes that are too short for where the scene has come to rest."""
@@ -436,7 +444,6 @@ class Simulation:
             return keep_touching(layout.systems[1])
 
         def search(rows: Any) -> ContactRest:
-            gravity = float(np.linalg.norm(scene.gravity))
             found = settle_contacts(
                 rows, self._arrays, advance, meet, restored, touching, weight, gravity, rubs=rubs
             )
@@ -450,11 +457,17 @@ class Simulation:
             pair.friction for pair in scene.collisions
         )
         rows, self.start_text = StartRows(self._layout), ""
-        self.start_text = search(rows).text
-        if self._fits_tensions:
-            from heavylift.solver.statics.start_tensions import FITTED_WITH_CONTACTS, fit_start_tensions
 
-            self.start_text = fit_start_tensions(rows, search, self.start_text, FITTED_WITH_CONTACTS)
+        def settle() -> tuple[str, ...]:
+            self.start_text = search(rows).text
+            if self._fits_tensions:
+                from heavylift.solver.statics.start_tensions import FITTED_WITH_CONTACTS, fit_start_tensions
+
+                self.start_text = fit_start_tensions(rows, search, self.start_text, FITTED_WITH_CONTACTS)
+            return self.start_text, self._unsettled
+
+        gravity = float(np.linalg.norm(scene.gravity))
+        self.start_text, self._unsettled = self._known_start(rows, settle, weight, rubs, gravity)
         self.start_seconds += clock.thread_time() - begin
 
     def _straighten(self) -> None:
