@@ -57,22 +57,31 @@ def hang(kind: type[Joint], above: Pose, a: JointFrame, b: JointFrame, rng: np.r
 
 
 def drawn_scene(
-    seed: int, count: int, *, floating: bool, types: tuple[type[Joint], ...] = TYPES, loops: int = 0
+    seed: int,
+    count: int,
+    *,
+    floating: bool,
+    types: tuple[type[Joint], ...] = TYPES,
+    loops: int = 0,
+    at_centre: bool = False,
 ) -> Scene:
     """A tree of bodies on joints of all types, with springs and forces; every second joint is told from below.
 
-    Ball joints between its last bodies and the first one close loops where they stand.
+    Ball joints between its last bodies and the first one close loops where they stand. The last body may hang at its
+    centre of mass.
     """
     rng = np.random.default_rng(seed)
     poses: list[Pose] = []
     bodies, joints = [], []
     for i in range(count):
-        name = f"body_{i}"
+        name, centre = f"body_{i}", rng.normal(size=3)
         if i == 0 and floating:
             poses.append((Rotation.random(rng=rng).as_matrix(), *rng.normal(size=(3, 3))))
         else:
             above = int(rng.integers(i)) if i else -1
             a, b, kind = drawn_frame(rng), drawn_frame(rng), types[i % len(types)]
+            if at_centre and i == count - 1:
+                b = JointFrame(centre, b.axes)
             pose = hang(kind, poses[above] if i else HELD, a, b, rng)
             on = f"body_{above}" if i else GROUND
             names = {"body_a": on, "body_b": name, "frame_a": a, "frame_b": b}
@@ -88,7 +97,7 @@ def drawn_scene(
                 name,
                 rng.uniform(0.5, 5.0),
                 np.trace(J @ J.T) * np.eye(3) - J @ J.T,
-                rng.normal(size=3),
+                centre,
                 position=x,
                 orientation=Rotation.from_matrix(R).as_quat(scalar_first=True),
                 velocity=v,
@@ -141,6 +150,14 @@ def assert_same(scene: Scene, count: int, tolerance: float, monkeypatch: pytest.
 def test_trees_move_as_rows_hold_them(floating: bool, monkeypatch: pytest.MonkeyPatch) -> None:
     """Each type of joint twice or more, on both sides."""
     assert_same(drawn_scene(5 + floating, 12, floating=floating), 6, 2e-8, monkeypatch)
+
+
+@pytest.mark.parametrize("types", [(Hinge, Slider, Ball), (Hinge, Distance, Distance)])
+def test_a_body_may_hang_at_its_centre(
+    types: tuple[type[Joint], ...], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Its turning is then that of a body alone."""
+    assert_same(drawn_scene(7, 6, floating=False, types=types, at_centre=True), 4, 2e-8, monkeypatch)
 
 
 def test_other_joints_hold_trees_together(monkeypatch: pytest.MonkeyPatch) -> None:

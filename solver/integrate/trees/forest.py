@@ -94,8 +94,9 @@ class TreeBody(Record, whole_lines=True):
         Of its velocities and of its pose in the vector of all bodies.
     block, sign
         Block of the joint, -1 without; 1 if this body is its b, -1 if that is the parent.
-    turned
-        Whether `turn` is more than unity.
+    turned, alone
+        Whether `turn` is more than unity; whether its centre of mass is its joint point, with a quaternion and nothing
+        hanging on it: then its turning is that of a body alone.
     number
         Of the body in the scene.
     offset, centre
@@ -141,6 +142,7 @@ class TreeBody(Record, whole_lines=True):
     pose: int
     block: int
     turned: int
+    alone: int
     number: int
     sign: float
     mass: float
@@ -408,6 +410,9 @@ def _plant(joints: Sequence[Joint], layout: Layout, kind: Any) -> Forest | None:
     for body in bodies:
         body.dof, body.pose = coordinates[body.number]["velocity"], coordinates[body.number]["place"]
     made = records(TreeBody, bodies)
+    if not rest:
+        at_centre = (made["joint"] >= BALL) & ~made["centre"].any(axis=1)
+        made["alone"] = at_centre & ~np.isin(np.arange(len(made)), made["parent"])
     loops = []
     for joint in joints:
         if joint.name in used:
