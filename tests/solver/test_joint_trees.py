@@ -17,7 +17,7 @@ from heavylift.solver.joints.hinge import Hinge
 from heavylift.solver.joints.slider import Slider
 from heavylift.solver.joints.slider_hinge import Cylindrical
 from heavylift.solver.scene.connections import GROUND, Joint, JointFrame
-from heavylift.solver.scene.scene import Gravity, RigidBody, Scene, Sensor
+from heavylift.solver.scene.scene import Fixed, Gravity, RigidBody, Scene, Sensor
 from heavylift.solver.simulation import Simulation
 
 GRAVITY = np.array([0.0, -3.0, -9.0])
@@ -164,6 +164,34 @@ def test_other_joints_hold_trees_together(monkeypatch: pytest.MonkeyPatch) -> No
     """Two loops that ball joints close, and a joint that no tree has; rows are as many as it takes."""
     types = (Hinge, Ball, Cylindrical, Hinge, Slider)
     assert_same(drawn_scene(9, 8, floating=False, types=types, loops=2), 4, 1e-7, monkeypatch)
+
+
+def test_trees_stand_on_bodies_that_are_held(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The held body feels what its joints carry; one of them is told from the tree's side."""
+    rng = np.random.default_rng(2)
+    turn, place = Rotation.random(rng=rng), rng.normal(size=3)
+    held: Pose = (turn.as_matrix(), place, np.zeros(3), np.zeros(3))
+    bodies = [
+        RigidBody(
+            "base", 3.0, np.diag([1.0, 2.0, 2.5]), rng.normal(size=3), position=place,
+            orientation=turn.as_quat(scalar_first=True), motion=Fixed(),
+        )
+    ]  # fmt: skip
+    joints = []
+    for i, kind in enumerate((Hinge, Slider, Distance)):
+        a, b = drawn_frame(rng), drawn_frame(rng)
+        R, x, v, w = hang(kind, held, a, b, rng)
+        bodies.append(
+            RigidBody(
+                f"body_{i}", 1.0, np.diag([0.2, 0.3, 0.4]), rng.normal(size=3), position=x,
+                orientation=Rotation.from_matrix(R).as_quat(scalar_first=True), velocity=v, angular_velocity=R.T @ w,
+            )
+        )  # fmt: skip
+        names = {"body_a": "base", "body_b": f"body_{i}", "frame_a": a, "frame_b": b}
+        if kind is Slider:
+            names = {"body_a": f"body_{i}", "body_b": "base", "frame_a": b, "frame_b": a}
+        joints.append(kind(name=f"joint_{i}", **names))
+    assert_same(Scene(tuple(bodies), (Gravity(GRAVITY),), (), tuple(joints)), 4, 2e-8, monkeypatch)
 
 
 @pytest.mark.parametrize("loops", [0, 1])
