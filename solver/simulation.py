@@ -6,7 +6,7 @@ import hashlib
 import importlib
 import math
 import time as clock
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -287,9 +287,13 @@ class Simulation:
         if layout.joints or self._start_mode in AT_REST:
             self._fit_joints()
         if self.integrator == "accurate":
-            layout.systems[-1].take_start(layout.bodies, layout.systems)
-            if layout.systems[-1].loops:
-                self._choose_rows()
+            integration = layout.systems[-1]
+            integration.take_start(layout.bodies, layout.systems)
+            if integration.loops:
+                self._choose_rows(integration)
+            for forest in layout.systems[1:-1]:
+                if len(forest.loops):
+                    self._choose_rows(forest, np.unique(forest.bodies["block"]).tolist())
         if self._touches:
             from heavylift.solver.contact.check_start import start_contacts
 
@@ -376,15 +380,15 @@ class Simulation:
             if self._stiff and not self.diagnosis.redundant:
                 self._straighten()
 
-    def _choose_rows(self) -> None:
-        """Leave rows of loops out that follow from others, if a choice is known."""
+    def _choose_rows(self, holder: Any, first: Sequence[int] = ()) -> None:
+        """Leave rows of loops out that follow from others, if a choice is known; those of some blocks stay."""
         from heavylift.solver.start.independent_rows import independent_rows
         from heavylift.solver.start.rows import StartRows
 
         rows = StartRows(self._layout)
-        kept = independent_rows(rows)
+        kept = independent_rows(rows, first)
         if kept is not None:
-            self._layout.systems[-1].keep_rows(rows.places, kept)
+            holder.keep_rows(rows.places, kept)
 
     def _known_start(
         self, rows: Any, search: Callable[[], tuple[str, ...]], *words: object
