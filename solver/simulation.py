@@ -588,7 +588,10 @@ class Simulation:
         self._watch.add(records[:count])
         if self._lone is not None:
             self._lone.add(records[:count])
-        times = (first // every + 1.0 + np.arange(count, dtype=np.float64)) * every * self.step
+        begin_row = first // every + 1
+        times = np.arange(begin_row, begin_row + count, dtype=np.float64)
+        times *= every
+        times *= self.step
         return times, records[:count]
 
     def _left_range(self, records: NDArray[np.float64], number: int = 0) -> int:
