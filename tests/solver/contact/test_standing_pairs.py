@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from mesh_contact_scenes import body, scene, turn
 
+from heavylift.numerics.outcome import InputError
 from heavylift.preprocess.surfaces.primitives import box_surface, plane_surface
 from heavylift.preprocess.surfaces.triangle_surface import TriangleSurface
 from heavylift.solver.contact.triangles.standing import STILL
@@ -218,3 +219,24 @@ def test_what_moves_together_is_near_when_one_of_both_stops() -> None:
     assert gap.min() > -1e-9
     assert wall_gap[-1] < 1e-6
     assert gap[-1] < 1e-6
+
+
+def test_a_state_holds_the_contacts_that_there_are() -> None:
+    """Not the room for all that there may be; and it goes on where more had been in between."""
+    made = stack(2, most_contacts=512)
+    whole = Simulation(made, STEP)
+    before = whole.state()
+    whole.advance(20)
+    state, count = whole.state(), int(contacts_of(whole).counts.total)
+    whole.advance(20)
+    assert count == 8
+    assert before["ContactRows.state"].size == 0
+    assert state["ContactRows.state"].size == count * len(contacts_of(whole).state[0].words)
+    for saved, steps in ((state, 20), (before, 40)):
+        whole.restore(saved)
+        again = Simulation(made, STEP)
+        again.restore(saved)
+        np.testing.assert_array_equal(whole.advance(steps)[1], again.advance(steps)[1])
+    cut = {**state, "ContactRows.state": state["ContactRows.state"][:-1]}
+    with pytest.raises(InputError, match="does not fit"):
+        whole.restore(cut)
