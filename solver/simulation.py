@@ -565,7 +565,7 @@ class Simulation:
                 return np.empty(0), records[:0]
         heard = 0 if self.operation is None else self.operation.heard
         if heard != self._heard or self._return.is_due(self.cpu_seconds):
-            self._return.take(list(self._carried.values()), first, self.cpu_seconds)
+            self._return.take([array for array, _ in self._in_use.values()], first, self.cpu_seconds)
             self._heard = heard
         begin = clock.thread_time()
         done = self._call(first, last, every, records)
@@ -696,7 +696,7 @@ class Simulation:
     def state(self) -> dict[str, NDArray[Any]]:
         """Everything that a bitwise identical continuation needs: arrays by name, copied."""
         self._start()
-        arrays = {name: array.copy() for name, array in self._carried.items()}
+        arrays = {name: array.copy() for name, (array, _) in self._in_use.items()}
         arrays["step_index"] = np.array(self.step_index, dtype=np.int64)
         arrays["cpu_seconds"] = np.array(self.cpu_seconds)
         arrays["watch"] = self._watch.state
@@ -717,6 +717,10 @@ class Simulation:
         """
         self._start()  # what is derived from the start state and not carried
         shapes = {name: array.shape for name, array in self._carried.items()}
+        for name, (_, words) in self._in_use.items():
+            length = np.size(state[name]) if words > 0 and name in state else -1
+            if 0 <= length <= shapes[name][0] and length % words == 0:
+                shapes[name] = (length,)  # the last rows were not in use
         own = self._scene_digest
         for name, shape in {
             **shapes,
@@ -736,7 +740,7 @@ class Simulation:
                     expected="the digest of these bodies" if foreign else f"an array of shape {shape}",
                 )
         for name, array in self._carried.items():
-            array[...] = state[name]
+            array[: len(state[name])] = state[name]
         self.step_index = int(state["step_index"])
         self.cpu_seconds = float(state["cpu_seconds"])
         self._watch.state = state["watch"]
@@ -749,7 +753,7 @@ class Simulation:
         self.ended = ended and self.step_index % self.record_every == 0  # it continues to its next record
         self._started = True
         self._begin_again()
-        self._return.take(list(self._carried.values()), self.step_index, self.cpu_seconds)
+        self._return.take([array for array, _ in self._in_use.values()], self.step_index, self.cpu_seconds)
 
     def _begin_again(self) -> None:
         """Forget what belongs to a state that is there no more."""
@@ -792,6 +796,16 @@ class Simulation:
         if self._views[0] is not self._layout:
             self._views = self._layout, dict(self._arrays())
         return self._views[1]
+
+    @property
+    def _in_use(self) -> dict[str, tuple[NDArray[Any], int]]:
+        """What of them is in use, and the words in a row of what there may be more of."""
+        found = {name: (array, 0) for name, array in self._carried.items()}
+        if self._touches:
+            from heavylift.solver.contact.in_use import words_in_use
+
+            found |= words_in_use(self._layout.systems[1], self._carried)
+        return found
 
     def _arrays(self) -> Iterator[tuple[str, NDArray[Any]]]:
         """Arrays that the step writes, by kind and field."""
