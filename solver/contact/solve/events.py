@@ -35,7 +35,7 @@ MOST_EVENTS = 20
 TRIALS, TRIALS_OF_EACH = 400, 10
 """Of times of impacts within a whole step: of all, and more for each contact."""
 
-MOST_EFFORT = 2e5
+MOST_EFFORT = 4e5
 """Contacts times iterations of their solver, after which a whole step has no more trials: tenths of a second."""
 
 SEARCH_EFFORT = 5
