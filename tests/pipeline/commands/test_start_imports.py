@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -41,19 +42,14 @@ def imported(*arguments: str, watched: tuple[str, ...]) -> list[str]:
     return next(line.split()[1:] for line in done.stderr.splitlines() if line.startswith("IMPORTED"))
 
 
-def test_a_step_of_a_rope_and_a_hinge_needs_no_scipy(tmp_path: Path) -> None:
-    text = (CASES / "hoist" / "case.toml").read_text(encoding="utf-8") + HINGE
-    (tmp_path / "case.toml").write_text(text, encoding="utf-8")
-    run = (
-        "simulate",
-        str(tmp_path),
-        "--set",
-        "simulate.duration=10 ms",
-        "--set",
-        "simulate.output_interval=10 ms",
-    )
-    assert imported(*run, "--set", "scenario", watched=HEAVY) == []
-    assert imported(*run, "--set", "scenario", "--force", watched=SCIPY) == []
+def test_a_run_of_a_rope_and_a_hinge_needs_no_scipy(tmp_path: Path) -> None:
+    case = tmp_path / "hoist"
+    shutil.copytree(CASES / "hoist", case, ignore=shutil.ignore_patterns("out"))
+    with (case / "case.toml").open("a", encoding="utf-8") as file:
+        file.write(HINGE)
+    first = imported("simulate", str(case), watched=HEAVY)  # what compiles kernels may import SciPy
+    assert first == []
+    assert imported("simulate", str(case), "--force", watched=(*HEAVY, *SCIPY)) == []
 
 
 def test_help_and_keys_need_no_kernels() -> None:
