@@ -313,11 +313,13 @@ def smallest_pivot(system: RowSystem) -> float:
     smallest = 1e300
     for j in range(system.columns.shape[0]):
         node = system.columns[j].node
-        if 2 * node >= system.attachments.shape[0] or system.present[node] == 0:
+        if 2 * node >= system.attachments.shape[0]:
             continue
         for r in range(rows):
             inverse = system.blocks[system.columns[j].pivot + r * (lanes + 1)]
             scale = system.rows[node].scale[r]
-            if scale > 0.0:  # not padding
+            if scale > 0.0 and system.present[node] == 0:
+                smallest = min(smallest, ABSENT)
+            elif scale > 0.0:  # not padding
                 smallest = min(smallest, 1.0 / (inverse * scale))
     return smallest
