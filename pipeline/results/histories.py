@@ -187,10 +187,11 @@ def _arrays(segment: Segment) -> dict[str, NDArray[Any]]:
 
 
 def _checksum(arrays: Mapping[str, NDArray[Any]]) -> str:
-    parts = []
+    parts: list[bytes | memoryview] = []
     for key in sorted(arrays):
         array = arrays[key]
-        parts += [f"{key} {array.dtype.str} {array.shape}".encode(), array.tobytes()]
+        content = np.ascontiguousarray(array).reshape(-1).view(np.uint8)  # as it is, without a copy
+        parts += [f"{key} {array.dtype.str} {array.shape}".encode(), content.data]
     return digest_bytes(*parts)
 
 

@@ -84,5 +84,5 @@ def _processor() -> str:
 
 
 def _checksum(arrays: Mapping[str, NDArray[np.uint8]]) -> str:
-    parts = [part for name in sorted(arrays) for part in (name.encode(), arrays[name].tobytes())]
+    parts = [part for name in sorted(arrays) for part in (name.encode(), arrays[name].data)]
     return digest_bytes(*parts)

@@ -371,7 +371,7 @@ def _plain(value: Any) -> Any:
     return value.item() if hasattr(value, "item") else str(value)
 
 
-def digest_bytes(*parts: bytes) -> str:
+def digest_bytes(*parts: bytes | memoryview) -> str:
     """Hexadecimal digest of some bytes."""
     digest = hashlib.blake2b(digest_size=16)
     for part in parts:

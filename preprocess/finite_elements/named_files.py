@@ -13,7 +13,6 @@ from xml.etree import ElementTree as ET
 
 from heavylift.numerics.hdf5_files import HOLDS_ALL, is_hdf5, outside_of_hdf5
 from heavylift.numerics.outcome import InputError
-from heavylift.preprocess.finite_elements.abaqus_deck import INPUT_IS_DATA
 from heavylift.preprocess.finite_elements.deck import DECK_SUFFIXES
 
 if TYPE_CHECKING:
@@ -53,6 +52,9 @@ def mesh_files(path: Path, root: Path) -> list[Path]:
 
 def _included_names(file: Path) -> Iterator[str]:
     """Names of files that a deck takes as its own text; one too many does no harm."""
+    # most files that are looked at are no decks, and the module of decks takes its time
+    from heavylift.preprocess.finite_elements.abaqus_deck import INPUT_IS_DATA
+
     text = file.read_bytes().decode("utf-8", errors="replace")
     for match in _INCLUDES.finditer(text):
         keyword = _KEYWORD.match(text, text.rfind("\n", 0, match.start()) + 1) if match[1] else None

@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+import contextlib
+
 import numpy as np
 import pytest
 
+from heavylift.numerics.outcome import Outcome
 from heavylift.pipeline import load_case, load_results, run_case
 from heavylift.pipeline.results.kept_start import KeptStart
+from heavylift.pipeline.stages import advance, simulate
+from heavylift.pipeline.stages.advance import StopRequest
 
 SEARCH = "heavylift.solver.statics.equilibrium.find_equilibrium"
 CASE = """
@@ -72,6 +77,27 @@ def test_the_same_scene_starts_where_it_was_found_to_rest(found, monkeypatch):
     case = load_case(found.folder, ["simulate.duration=0.5 s"])
     run_case(case, stages=("simulate",))
     assert same({name: values[:11] for name, values in before.items()}, histories(case))
+
+
+def test_a_stopped_run_goes_on_from_the_same_rest(found, monkeypatch):
+    before = histories(found)
+
+    class Later(StopRequest):
+        asked = 0
+
+        def __bool__(self):
+            Later.asked += 1
+            return Later.asked > 2
+
+    with monkeypatch.context() as patched:
+        patched.setattr(advance, "FIRST_PIECE", 10)
+        patched.setattr(advance, "_next_piece", lambda _piece, _seconds, _growth: 10)
+        patched.setattr(simulate, "stop_requests", lambda: contextlib.nullcontext(Later("SIGTERM")))
+        report = run_case(found, stages=("simulate",), force=("simulate",))
+    assert report.outcome is Outcome.INTERRUPTED
+    no_search(monkeypatch)
+    assert run_case(found, stages=("simulate",)).outcome is Outcome.COMPLETED
+    assert same(before, histories(found))
 
 
 @pytest.mark.parametrize(
