@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -154,3 +155,17 @@ def test_what_cannot_be_kept_is_a_mistake_of_the_caller():
             derived(Made, make, np.array([None]))
         with pytest.raises(TypeError, match="objects in a result"):
             derived(Made, make_object, POINTS)
+
+
+@dataclass(frozen=True)
+class Sea:
+    omega: np.ndarray
+    depth: float
+
+
+def test_a_dataclass_counts_by_its_fields():
+    store = Memory()
+    with keeping(store):
+        for depth in (10.0, 10.0, 20.0):
+            derived(Made, make, POINTS, (Sea(POINTS, depth),))
+    assert len(CALLS) == 2
