@@ -17,19 +17,15 @@ split into
 * *steps*: `Simulation.advance`, with the records it returns;
 * *files*: segments, result file, manifest, and what is said of the run.
 
-A process reports these itself: a finder at the head of `sys.meta_path` takes the time of modules that are executed, and
-wraps the few functions of `WATCHED` when their module has been. Time belongs to the innermost of what is watched.
+A process reports these itself (`cases_process.py`); time belongs to the innermost of what is watched.
 Measurements are kept in ``--out``, one file a case, and are made anew if a source or the case has changed.
 """
 
 from __future__ import annotations
 
 import argparse
-import atexit
 import functools
 import hashlib
-import importlib.abc
-import importlib.util
 import json
 import os
 import re
@@ -37,41 +33,20 @@ import resource
 import statistics
 import subprocess
 import sys
-import time
 from dataclasses import asdict, dataclass
 from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from cases_process import PARTS, REPORT
+
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Sequence
-    from importlib.machinery import ModuleSpec
-    from types import ModuleType
+    from collections.abc import Iterator, Sequence
 
 ROOT = Path(__file__).resolve().parent.parent
 CASES = ROOT / "cases"
 PAGE = ROOT / "docs" / "benchmarks.md"
 BEGIN, END = "<!-- begin: python benchmarks/cases.py --table -->", "<!-- end: benchmarks/cases.py -->"
-
-PARTS = ("Python", "read", "scene", "start", "steps", "files")
-WATCHED = {
-    "heavylift.pipeline.stages.stages": {
-        "load_changed_case": "read",
-        "_check_scene": "read",
-        "mesh_stage": "read",
-        "modes_stage": "read",
-    },
-    "heavylift.pipeline.results.provenance": {"simulate_digest": "read", "source_digest": "read"},
-    "heavylift.pipeline.stages.simulate": {"simulate_stage": "files"},
-    "heavylift.pipeline.assemble.scene": {"assemble_scene": "scene"},
-    "heavylift.solver.simulation": {
-        "Simulation.__init__": "scene",
-        "Simulation.warm_up": "start",
-        "Simulation.restore": "start",
-        "Simulation.advance": "steps",
-    },
-}
-"""Functions whose time counts for a part, by their modules."""
 
 LIMIT = 0.5
 """Share of a warm run that need not be steps."""
@@ -80,120 +55,8 @@ LONG = 30.0
 """CPU time [s] of a run that is measured once."""
 SHORT = 0.1
 """Steps [s] in less than which no start can be half of a run."""
-REPORT = "HEAVYLIFT_BENCHMARK_PARTS"
-"""Variable of the environment with the file that a measured process writes."""
-LISTED = 45
-"""Functions in a profile."""
-
-
-# ---- within the measured process ----
-
-
-class Parts:
-    """CPU time of the process by part; that of the innermost part that has begun and not ended runs."""
-
-    def __init__(self) -> None:
-        self.seconds = dict.fromkeys(PARTS, 0.0)
-        self._open = ["Python"]
-        self._since = 0.0
-
-    def begin(self, part: str) -> None:
-        """From here on time counts for `part`."""
-        self._charge()
-        self._open.append(part)
-
-    def end(self) -> None:
-        """From here on time counts for what ran before."""
-        self._charge()
-        self._open.pop()
-
-    def _charge(self) -> None:
-        now = time.process_time()
-        self.seconds[self._open[-1]] += now - self._since
-        self._since = now
-
-    def watched(self, function: Callable[..., Any], part: str) -> Callable[..., Any]:
-        """The same function, whose time counts for `part`."""
-
-        @functools.wraps(function)
-        def call(*arguments: Any, **keys: Any) -> Any:
-            self.begin(part)
-            try:
-                return function(*arguments, **keys)
-            finally:
-                self.end()
-
-        return call
-
-    def write(self, file: str) -> None:
-        """Write all parts."""
-        self._charge()
-        Path(file).write_text(json.dumps(self.seconds), encoding="utf-8")
-
-
-class Finder(importlib.abc.MetaPathFinder):
-    """Takes the time of modules while they are executed, and watches functions of some."""
-
-    def __init__(self, parts: Parts) -> None:
-        self._parts = parts
-
-    def find_spec(self, name: str, path: Sequence[str] | None, target: Any = None) -> ModuleSpec | None:
-        """The module as the finders behind this one have it."""
-        for finder in sys.meta_path:
-            if finder is self or not hasattr(finder, "find_spec"):
-                continue
-            spec = finder.find_spec(name, path, target)
-            if spec is not None:
-                if spec.loader is not None and hasattr(spec.loader, "exec_module"):
-                    self._watch(spec.loader, name)
-                return spec
-        return None
-
-    def _watch(self, loader: Any, name: str) -> None:
-        run = loader.exec_module
-
-        def exec_module(module: ModuleType) -> None:
-            self._parts.begin("Python")
-            try:
-                run(module)
-            finally:
-                self._parts.end()
-            for path, part in WATCHED.get(name, {}).items():
-                owner, _, attribute = path.rpartition(".")
-                holder = getattr(module, owner) if owner else module
-                setattr(holder, attribute, self._parts.watched(getattr(holder, attribute), part))
-
-        if not isinstance(loader, type):  # of built-in and frozen modules the class itself is the loader
-            loader.exec_module = exec_module
-
-
-def measured() -> None:
-    """Be the command ``heavylift`` and write the parts of its time."""
-    parts = Parts()
-    sys.meta_path.insert(0, Finder(parts))
-    atexit.register(parts.write, os.environ[REPORT])
-    from heavylift.pipeline.commands.start import main
-
-    sys.argv = ["heavylift", *sys.argv[2:]]
-    main()
-
-
-def profiled() -> None:
-    """Be the command ``heavylift`` and print where its time goes."""
-    import cProfile
-    import pstats
-
-    profile = cProfile.Profile(time.process_time)
-    sys.argv = ["heavylift", *sys.argv[2:]]
-    try:
-        profile.enable()
-        from heavylift.pipeline.commands.start import main
-
-        main()
-    finally:
-        profile.disable()
-        for order in ("cumulative", "tottime"):
-            pstats.Stats(profile).strip_dirs().sort_stats(order).print_stats(LISTED)
+PROCESS = Path(__file__).with_name("cases_process.py")
+"""What a measured process runs."""
 
 
 # ---- cases ----
@@ -271,7 +134,7 @@ def _program_digest() -> bytes:
 def simulate(file: Path, out: Path, *words: str, mode: str) -> tuple[float, subprocess.CompletedProcess[str]]:
     """One process; its CPU time [s] with that of its children, and what it printed."""
     path = file.parent if file.name == "case.toml" else file
-    command = [sys.executable, "-P", __file__, mode, "simulate", str(path), "--out", str(out), *words]
+    command = [sys.executable, "-P", str(PROCESS), mode, "simulate", str(path), "--out", str(out), *words]
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
@@ -288,8 +151,7 @@ def measure(name: str, file: Path, out: Path, runs: int) -> Row:
     """
     folder, report = out / name, out / f"{name.replace('/', '_')}.parts"
     os.environ[REPORT] = str(report)
-    if not (folder / "simulate" / "results.h5").is_file():
-        simulate(file, folder, "--quiet", mode="--measured")
+    simulate(file, folder, "--quiet", mode="--measured")  # nothing, if it has been simulated by these sources
     found: list[tuple[dict[str, float], dict[str, Any]]] = []
     while not found or (len(found) < runs and sum(found[-1][0].values()) < LONG):
         total, done = simulate(file, folder, "--force", "--json", mode="--measured")
@@ -407,9 +269,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    if sys.argv[1:2] == ["--measured"]:
-        measured()
-    elif sys.argv[1:2] == ["--profiled"]:
-        profiled()
-    else:
-        main()
+    main()

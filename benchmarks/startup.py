@@ -9,7 +9,9 @@
 of `HEAVYLIFT_CACHE_DIR` or ``--cache``. A scene is one command ``heavylift simulate`` with one step, from the start of
 the process to its end, so writing the results is part of it. The first run is the one that counts: it also compiles the
 kernels of the preparation that belong to no unit, if this scene is the first that needs them; the second run shows what
-is left then. A mark (!) stands where a limit is exceeded.
+is left then. At last all scenes run in turn with ``python -c 'import numba'``, some rounds, and the CPU times of whole
+processes stand beside each other: medians, and ratios. Modules have their bytecode, as those of an installed program.
+A mark (!) stands where a limit is exceeded.
 """
 
 from __future__ import annotations
@@ -20,6 +22,7 @@ import os
 import re
 import resource
 import shutil
+import statistics
 import subprocess
 import sys
 import tempfile
@@ -35,6 +38,9 @@ CASES = Path(__file__).resolve().parent.parent / "cases"
 
 SCENE_LIMIT = 1.0
 """Wall time [s] of a process that makes one step."""
+FIRST_RATIO, RATIO = 2.0, 3.0
+"""CPU time of such a process, of the first scene and of all, in that of a process that imports Numba."""
+ROUNDS = 7
 UNIT_LIMIT, ALL_LIMIT = 12.0, 150.0
 """CPU time of the first compilation of a unit, and wall time of that of all on two cores [s]."""
 PROCESSES = 2
@@ -165,6 +171,10 @@ class Cost:
     printed: str
 
 
+BYTECODE = tempfile.TemporaryDirectory(prefix="heavylift-bytecode-")
+"""Where all processes find the bytecode of modules."""
+
+
 def run(command: list[str], cache: Path, package: Path | None = None) -> Cost:
     """Run a process to its end with a folder of compiled kernels, and perhaps with other sources.
 
@@ -173,7 +183,8 @@ def run(command: list[str], cache: Path, package: Path | None = None) -> Cost:
     RuntimeError
         If it fails, with what it said.
     """
-    environment = os.environ | {"HEAVYLIFT_CACHE_DIR": str(cache)}
+    environment = os.environ | {"HEAVYLIFT_CACHE_DIR": str(cache), "PYTHONPYCACHEPREFIX": str(BYTECODE.name)}
+    environment.pop("PYTHONDONTWRITEBYTECODE", None)
     if package is not None:
         environment["PYTHONPATH"] = str(package)
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
@@ -245,8 +256,9 @@ def print_units(seconds: dict[str, float], wall: float) -> None:
 def measure_scenes(cache: Path, root: Path) -> None:
     """One step of each scene, twice."""
     print("one step, from the start of the process      wall s  limit   CPU s  compile or load s   start s")
+    folders = {scene.name: write_case(scene, root) for scene in SCENES}
     for scene in SCENES:
-        folder = write_case(scene, root)
+        folder = folders[scene.name]
         for words in ("", "again"):
             before = compiled_files(cache)
             cost = simulate(folder, cache)
@@ -257,6 +269,24 @@ def measure_scenes(cache: Path, root: Path) -> None:
                 f"   {what_is_new(before, compiled_files(cache))}",
                 flush=True,
             )
+
+    beside_numba(cache, folders)
+
+
+def beside_numba(cache: Path, folders: dict[str, Path]) -> None:
+    """CPU times of one step of each scene and of an import of Numba, in turn."""
+    numba = [sys.executable, "-P", "-c", "import numba"]
+    run(numba, cache)
+    rounds = [
+        (run(numba, cache).cpu, *(simulate(folder, cache).cpu for folder in folders.values()))
+        for _ in range(ROUNDS)
+    ]
+    basis, *costs = (statistics.median(each) for each in zip(*rounds, strict=True))
+    print(f"CPU time of whole processes in turn, medians of {ROUNDS}     CPU s   ratio  limit")
+    print(f"  {'import numba':50s} {basis:8.3f} {1.0:7.2f}")
+    for number, (name, cost) in enumerate(zip(folders, costs, strict=True)):
+        limit = FIRST_RATIO if number == 0 else RATIO
+        print(f"  {name:50s} {cost:8.3f} {cost / basis:7.2f}{mark(cost / basis, limit)} {limit:5.0f}")
 
 
 def compiled_files(cache: Path) -> set[Path]:

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.classes import dataclass
 from heavylift.numerics.elimination import FactorStructure, order_nodes
+from heavylift.numerics.joined import joined
 from heavylift.numerics.lanes import block_shape
 from heavylift.numerics.records import Record, Records, records
 
@@ -194,19 +195,9 @@ def _components(
     node_count: int, pairs: NDArray[np.int64], last: Sequence[Sequence[int]]
 ) -> NDArray[np.int64]:
     """Number of the connected component of each node; base nodes of a group are coupled."""
-    from scipy import sparse
-    from scipy.sparse import csgraph
-
     cliques = [(nodes[0], node) for nodes in last for node in list(nodes)[1:]]
     all_pairs = np.concatenate([pairs, np.array(cliques, dtype=np.int64).reshape(-1, 2)])
-    graph = sparse.coo_array(
-        (np.ones(len(all_pairs)), (all_pairs[:, 0], all_pairs[:, 1])), shape=(node_count, node_count)
-    )
-    _, label = csgraph.connected_components(graph, directed=False)
-    _, first, number = np.unique(label, return_index=True, return_inverse=True)
-    renumbered = np.empty(first.size, dtype=np.int64)
-    renumbered[np.argsort(first)] = np.arange(first.size)
-    return renumbered[number]
+    return joined(node_count, all_pairs)
 
 
 class _Layout:

@@ -135,10 +135,10 @@ def _file(module: str) -> Path:
 
 @cache
 def _source(module: str) -> tuple[bytes, tuple[str, ...]]:
-    """Content of a module, and the modules of this package that it imports."""
+    """Digest of the content of a module, and the modules of this package that it imports."""
     file = _file(module)
     if not file.is_file():  # words of another text, or a namespace
-        return b"", ()
+        return bytes(32), ()
     content = file.read_bytes()
     found: list[str] = []
     for whole, names, plain in IMPORT.findall(content.decode()):
@@ -146,7 +146,7 @@ def _source(module: str) -> tuple[bytes, tuple[str, ...]]:
         folder = PACKAGE.joinpath(*whole.split(".")[1:])
         parts = re.findall(r"(\w+)(?: as \w+)?", names)
         found += [f"{whole}.{name}" for name in parts if (folder / f"{name}.py").is_file()]
-    return content, tuple(found)
+    return hashlib.blake2b(content, digest_size=32).digest(), tuple(found)
 
 
 @cache
@@ -167,9 +167,8 @@ def closure_digest(modules: tuple[str, ...], more: bytes = b"") -> str:
     """Hexadecimal digest of the names and contents of modules and all that they import, and of more words."""
     digest = hashlib.blake2b(more, digest_size=12)
     for module in closure(modules):
-        content = _source(module)[0]  # its length keeps names and contents of neighbours apart
-        digest.update(f"{module} {len(content)}\n".encode())
-        digest.update(content)
+        digest.update(f"{module}\n".encode())
+        digest.update(_source(module)[0])
     return digest.hexdigest()
 
 

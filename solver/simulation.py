@@ -232,8 +232,8 @@ class Simulation:
         self._lone = None if self.operation is None else LoneExtremes(self.channels)
         self._return, self._heard = ReturnPoint(), 0
         self._views: tuple[Any, dict[str, NDArray[Any]]] = (None, {})
-        self._calls: tuple[Any, Callable[..., Any]] = (None, self._run)
-        self._warm = False
+        self._calls: tuple[Any, Callable[..., Any], Callable[..., Any]] = (None, self._run, write_record)
+        self._compiled = self._warm = False
         self._started = False
         self._scene_digest = self._digest()
 
@@ -256,13 +256,15 @@ class Simulation:
 
             entries.append(begin_scenario)
         units |= {entry.unit.name: entry.unit for entry in entries}
-        return missing_units(list(units.values()))
+        missing = missing_units(list(units.values()))
+        self._compiled = not missing
+        return missing
 
     def warm_up(self) -> None:
         """Compile what is missing, load the rest, without changing the state."""
         if self._warm:
             return
-        missing = self.missing_units()
+        missing = [] if self._compiled else self.missing_units()
         if missing:
             compile_units(missing, lambda _name, _seconds: None)
         begin, found = clock.thread_time(), self.start_seconds
@@ -286,6 +288,8 @@ class Simulation:
             self._fit_joints()
         if self.integrator == "accurate":
             layout.systems[-1].take_start(layout.bodies, layout.systems)
+            if layout.systems[-1].loops:
+                self._choose_rows()
         if self._touches:
             from heavylift.solver.contact.check_start import start_contacts
 
@@ -356,11 +360,8 @@ class Simulation:
             return text
 
         with compile_clock() as compiling:
-            if self._starts is not None and self._start_mode in AT_REST and not settles:
-                from heavylift.solver.start.kept import known_start
-
-                words = (self._start_mode, self._fits_tensions, self.integrator, self.step, self.tolerance)
-                self.start_text = known_start(rows, self._starts, words, search)
+            if self._start_mode in AT_REST and not settles:
+                (self.start_text,) = self._known_start(rows, lambda: (search(),))
             else:
                 self.start_text = search()
         if self._start_mode in AT_REST and not settles:
@@ -374,6 +375,27 @@ class Simulation:
             self.diagnosis = diagnose(rows)
             if self._stiff and not self.diagnosis.redundant:
                 self._straighten()
+
+    def _choose_rows(self) -> None:
+        """Leave rows of loops out that follow from others, if a choice is known."""
+        from heavylift.solver.start.independent_rows import independent_rows
+        from heavylift.solver.start.rows import StartRows
+
+        rows = StartRows(self._layout)
+        kept = independent_rows(rows)
+        if kept is not None:
+            self._layout.systems[-1].keep_rows(rows.places, kept)
+
+    def _known_start(
+        self, rows: Any, search: Callable[[], tuple[str, ...]], *words: object
+    ) -> tuple[str, ...]:
+        """Bring the scene to rest by a search that sees the scene and some words, or as it was found to rest before."""
+        if self._starts is None:
+            return search()
+        from heavylift.solver.start.kept import known_start
+
+        seen = (self._start_mode, self._fits_tensions, self.integrator, self.step, self.tolerance, *words)
+        return known_start(rows, self._starts, seen, search)
 
     def _check_strains(self) -> None:
         """Refuse ropes that are too short for where the scene has come to rest."""
@@ -422,7 +444,6 @@ class Simulation:
             return keep_touching(layout.systems[1])
 
         def search(rows: Any) -> ContactRest:
-            gravity = float(np.linalg.norm(scene.gravity))
             found = settle_contacts(
                 rows, self._arrays, advance, meet, restored, touching, weight, gravity, rubs=rubs
             )
@@ -436,11 +457,17 @@ class Simulation:
             pair.friction for pair in scene.collisions
         )
         rows, self.start_text = StartRows(self._layout), ""
-        self.start_text = search(rows).text
-        if self._fits_tensions:
-            from heavylift.solver.statics.start_tensions import FITTED_WITH_CONTACTS, fit_start_tensions
 
-            self.start_text = fit_start_tensions(rows, search, self.start_text, FITTED_WITH_CONTACTS)
+        def settle() -> tuple[str, ...]:
+            self.start_text = search(rows).text
+            if self._fits_tensions:
+                from heavylift.solver.statics.start_tensions import FITTED_WITH_CONTACTS, fit_start_tensions
+
+                self.start_text = fit_start_tensions(rows, search, self.start_text, FITTED_WITH_CONTACTS)
+            return self.start_text, self._unsettled
+
+        gravity = float(np.linalg.norm(scene.gravity))
+        self.start_text, self._unsettled = self._known_start(rows, settle, weight, rubs, gravity)
         self.start_seconds += clock.thread_time() - begin
 
     def _straighten(self) -> None:
@@ -503,7 +530,7 @@ class Simulation:
         self.warm_up()
         row = np.empty(self.column_count)
         self._write(row)
-        self._return.forget()
+        self._return.forget()  # whole turns are counted from record to record
         return row
 
     def advance(self, steps: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -573,18 +600,20 @@ class Simulation:
             self.outcome, self.message = Outcome.MODES_LEFT, self._range.message(when)
         return beyond
 
-    def _call(self, first: int, last: int, every: int, records: NDArray[np.float64]) -> int:
+    @property
+    def _entries(self) -> tuple[Callable[..., Any], Callable[..., Any]]:
+        """Steps and record of this scene, whose tables are looked at once."""
         layout = self._layout
         if self._calls[0] is not layout:
-            call = self._run.with_first(
-                layout.bodies, layout.forces, layout.joints, layout.systems, layout.work
-            )
-            self._calls = layout, call
-        return int(self._calls[1](self.step, self.tolerance, first, last, every, records))
+            scene = layout.bodies, layout.forces, layout.joints, layout.systems, layout.work
+            self._calls = layout, self._run.with_first(*scene), write_record.with_first(*scene)
+        return self._calls[1:]
+
+    def _call(self, first: int, last: int, every: int, records: NDArray[np.float64]) -> int:
+        return int(self._entries[0](self.step, self.tolerance, first, last, every, records))
 
     def _write(self, row: NDArray[np.float64]) -> None:
-        layout = self._layout
-        write_record(layout.bodies, layout.forces, layout.joints, layout.systems, layout.work, self.time, row)
+        self._entries[1](self.time, row)
 
     def _stop(self) -> None:
         self.outcome = Outcome(int(self._layout.work.status.outcome))

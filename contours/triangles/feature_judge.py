@@ -70,6 +70,7 @@ __all__ = [
     "corners_of",
     "edge_is_nearest",
     "inside_face",
+    "is_within_plane",
     "judge_edges",
     "judge_vertex",
     "no_contact",
@@ -211,7 +212,7 @@ def centroid(corners: tuple[Vector, Vector, Vector]) -> Vector:
     return (a[0] + b[0] + c[0]) / 3.0, (a[1] + b[1] + c[1]) / 3.0, (a[2] + b[2] + c[2]) / 3.0
 
 
-@kernel(internal=True)
+@kernel(inline=True, internal=True)
 def judge_vertex(
     # model
     surfaces: CollisionSurfaces,
@@ -242,17 +243,39 @@ def judge_vertex(
     hit, time
         What the swept test says.
     """
-    motion, radius, rounding = meeting.motion, meeting.radius, meeting.rounding
     a, b, c = corners_of(surfaces, face)
     n = fixed_point(surfaces.normals, face)
     s0 = dot(n, subtract(x0, a))
     s1 = dot(n, subtract(x1, a))
-    if not hit and radius > 0.0:
-        t, touched = rounding_time(s0, s1, radius)
+    if not hit and meeting.radius > 0.0:
+        t, touched = rounding_time(s0, s1, meeting.radius)
         if touched and inside_face(between(x0, x1, t), a, b, c, n):
             hit, time = True, t
+    # most end here, which is worth no call
     if not hit and (min(abs(s0), abs(s1)) > meeting.far or not inside_face(x1, a, b, c, n)):
         return no_contact()
+    return _judge_near_vertex(surfaces, vertex, face, meeting, face_moves, x0, x1, s0, s1, hit, time)
+
+
+@kernel(internal=True)
+def _judge_near_vertex(
+    # model
+    surfaces: CollisionSurfaces,
+    vertex: int,
+    face: int,
+    # motion
+    meeting: Meeting,
+    face_moves: bool,
+    x0: Vector,
+    x1: Vector,
+    s0: float,
+    s1: float,
+    hit: bool,
+    time: float,
+) -> Verdict:
+    """`judge_vertex` of one that is hit, or near the face at distances s0 and s1 [m] from its plane."""
+    motion, radius, rounding = meeting.motion, meeting.radius, meeting.rounding
+    n = fixed_point(surfaces.normals, face)
     left = not hit and abs(s1) > meeting.far  # what was near is no longer, unless it is inside
     if abs(s0) > rounding:
         side = 1.0 if s0 > 0.0 else -1.0
@@ -498,10 +521,12 @@ def judge_edges(
         Ends [m] of the edge of B at the start (p) and at the end (q), in the axes of A.
     hit, time
         As for `judge_vertex`.
+
+    Notes
+    -----
+    For edges that are not `is_within_plane`: those are no contacts.
     """
     motion, radius, rounding = meeting.motion, meeting.radius, meeting.rounding
-    if is_within_plane(surfaces, edge_a) or is_within_plane(surfaces, edge_b):
-        return no_contact(), 0.0, 0.0
     a0 = fixed_point(surfaces.points, surfaces.edges[edge_a].ends[0])
     a1 = fixed_point(surfaces.points, surfaces.edges[edge_a].ends[1])
     u = subtract(a1, a0)

@@ -26,6 +26,7 @@ from heavylift.contours.triangles.feature_judge import (
     Verdict,
     centroid,
     corners_of,
+    is_within_plane,
     judge_edges,
     judge_vertex,
 )
@@ -371,6 +372,8 @@ def edges_on_edges(
             continue
         # from its first to its second point as `edges` has them: on their order depends what a side means
         edge_a = triangles[ta].edges[i]
+        if meeting.judged and is_within_plane(surfaces, edge_a):
+            continue
         a0 = fixed_point(points, edges[edge_a].ends[0])
         a1 = fixed_point(points, edges[edge_a].ends[1])
         box = box_of(a0, a1, 0.0)
@@ -385,6 +388,8 @@ def edges_on_edges(
             p0, p1 = fixed_point(out.corners, start), fixed_point(out.corners, 3 + start)
             q0, q1 = fixed_point(out.corners, end), fixed_point(out.corners, 3 + end)
             if apart(box, box_around(box_of(p0, p1, meeting.far), box_of(q0, q1, meeting.far))):
+                continue
+            if meeting.judged and is_within_plane(surfaces, edge_b):
                 continue
             if meeting.method == POSITION_DIFFERENCE:
                 hit, time = difference_edges(a0, a0, a1, a1, p0, p1, q0, q1, SECOND_EDGE_SWEEPS)

@@ -7,10 +7,10 @@ the folders that `pip` makes beside a package: that takes a millisecond at each 
 from __future__ import annotations
 
 import contextlib
-import os
 import re
-import sys
 from typing import NamedTuple
+
+from heavylift.numerics.packages import Installed, installed, plain_name, version_of
 
 __all__ = ["Requirement", "remedy", "requirements", "troubles"]
 
@@ -53,15 +53,15 @@ def requirements(lines: list[str] | None = None) -> list[Requirement]:
     lines
         What to look at in place of the metadata, e.g. ``["numba<0.69,>=0.62"]``.
     """
-    installed = _installed()
+    known = installed()
     found = []
-    for line in _own_lines(installed.get("heavylift")) if lines is None else lines:
+    for line in _own_lines(known.get("heavylift")) if lines is None else lines:
         spec = re.fullmatch(r"\s*([\w.-]+)\s*\(?([^;\[\]()]*)\)?\s*", line)
         if spec is None:  # of an extra, or of another system
             continue
         name, bounds = spec[1], sorted((part.strip() for part in spec[2].split(",")), reverse=True)
-        place = installed.get(_plain(name))
-        found.append(Requirement(name, ",".join(bounds), place.version if place else _version(name)))
+        place = known.get(plain_name(name))
+        found.append(Requirement(name, ",".join(bounds), place.version if place else version_of(name)))
     return found
 
 
@@ -75,17 +75,7 @@ def remedy(found: list[Requirement]) -> str:
     return "pip install " + " ".join(f"'{one.name}{one.range}'" for one in found)
 
 
-def _plain(name: str) -> str:
-    """A name as all its spellings have it."""
-    return re.sub(r"[-_.]+", "-", name).lower()
-
-
-class _Installed(NamedTuple):
-    version: str
-    folder: str
-
-
-def _own_lines(own: _Installed | None) -> list[str]:
+def _own_lines(own: Installed | None) -> list[str]:
     """What the metadata of heavylift say that it needs."""
     if own is None:
         return []
@@ -93,31 +83,6 @@ def _own_lines(own: _Installed | None) -> list[str]:
         head = file.read().partition("\n\n")[0]
         return re.findall(r"^Requires-Dist: (.*)$", head, re.MULTILINE)
     return []
-
-
-def _installed() -> dict[str, _Installed]:
-    """Packages that `pip` has installed, by name; the first folder of the path counts."""
-    found: dict[str, _Installed] = {}
-    for folder in sys.path:
-        try:
-            names = os.listdir(folder)  # noqa: PTH208  of strings, many of them
-        except OSError:  # a zip file, or nothing
-            continue
-        for name in names:
-            if name.endswith(".dist-info"):
-                package, _, version = name.removesuffix(".dist-info").rpartition("-")
-                found.setdefault(_plain(package), _Installed(version, f"{folder}/{name}"))
-    return found
-
-
-def _version(name: str) -> str | None:
-    """Version of a package that something else has installed."""
-    from importlib import metadata
-
-    try:
-        return metadata.version(name)
-    except metadata.PackageNotFoundError:
-        return None
 
 
 def _within(version: str, bound: str) -> bool:

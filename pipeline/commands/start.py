@@ -57,6 +57,8 @@ def main() -> None:
         # numbers that overflow are looked for where they matter; what NumPy says of them is no word for a user
         warnings.filterwarnings("ignore", category=RuntimeWarning)
         gc.set_threshold(YOUNG, 2, 2)
+        # models of cases are ours alone; to find plugins for them Pydantic would read what all packages here bring
+        os.environ["PYDANTIC_DISABLE_PLUGINS"] = "__all__"
         atexit.register(gc.freeze)  # the process ends as it is: what modules hold is not searched once more
         outside = [] if sys.argv[1:2] == ["doctor"] else troubles()
         if outside:  # they would fail anywhere, or compute something else

@@ -589,7 +589,7 @@ def merge_segments(
     meshes: Sequence[MeshShape] = (),
     *,
     expected: Sequence[SegmentMark] | None = None,
-) -> None:
+) -> Results:
     """Merge the segments of a run into one self-describing HDF5 file, and read it back.
 
     Parameters
@@ -609,6 +609,11 @@ def merge_segments(
     expected
         Segments that the run has written; None takes the consistent prefix.
 
+    Returns
+    -------
+    Results
+        What is in the file; of its channels each is read when it is asked for.
+
     Raises
     ------
     StopError
@@ -622,7 +627,7 @@ def merge_segments(
     count = sum(mark.records for mark in expected)
     width = sum(len(channel.components) for channel in channels)
     sums = dict.fromkeys((channel.name for channel in channels), 0)
-    of_times = 0
+    of_times, whole = 0, np.empty(count)
     with replacing(file) as temporary:
         # the records, and for each channel its name, texts and address
         size = 8 * count * (1 + width) + sum(256 + len(descriptions[channel.name]) for channel in channels)
@@ -643,7 +648,7 @@ def merge_segments(
             first = 0
             for times, records in _batches(segments_folder, expected, width):
                 rows = slice(first, first + len(times))
-                time[rows] = times
+                time[rows] = whole[rows] = times
                 of_times = _sum(times, of_times)
                 for channel in channels:
                     # a channel is made when its first records are there: HDF5 then writes it once
@@ -658,6 +663,8 @@ def merge_segments(
                     sums[channel.name] = _sum(values, sums[channel.name])
                 first = rows.stop
         _read_back(temporary, of_times, sums)
+    named = {channel.name: channel for channel in channels}
+    return Results(file, whole, named, _Hdf5Columns(file), metadata, file)
 
 
 class _NewChannels:

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 __all__ = ["KeptStart"]
 
-FORMAT = "heavylift start 1"
+FORMAT = "heavylift start 2"
 PREFIX = "array."
 
 
@@ -50,7 +50,7 @@ class KeptStart:
                 }
             if header["checksum"] != _checksum(arrays) or any(a.dtype != np.uint8 for a in arrays.values()):
                 return None
-            return FoundStart(str(header["text"]), float(header["residual"]), arrays)
+            return FoundStart(tuple(map(str, header["texts"])), float(header["residual"]), arrays)
         except (OSError, ValueError, KeyError, TypeError, EOFError, RuntimeError, zipfile.BadZipFile):
             return None
 
@@ -58,7 +58,7 @@ class KeptStart:
         """Keep a result in place of the one before."""
         header = {
             "key": _key(digest),
-            "text": found.text,
+            "texts": found.texts,
             "residual": found.residual,
             "checksum": _checksum(found.arrays),
         }

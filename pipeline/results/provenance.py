@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import hashlib
 from functools import cache
-from importlib import metadata
 from pathlib import Path
 from typing import TYPE_CHECKING, get_args
 
+from heavylift.numerics.packages import version_of
 from heavylift.pipeline.case.connectivity import connected_to_hull
 from heavylift.pipeline.case.fields import InFolder, Section
 from heavylift.pipeline.case.geometry import MatricesGeometry
@@ -136,13 +136,8 @@ def source_digest(stage: str) -> str:
 @cache
 def versions(stage: str) -> dict[str, str]:
     """Versions of the package and of what a stage uses; absent packages are left out."""
-    found = {}
-    for name in ("heavylift", *STAGE_PACKAGES[stage]):
-        try:
-            found[name] = metadata.version(name)
-        except metadata.PackageNotFoundError:
-            continue
-    return found
+    found = {name: version_of(name) for name in ("heavylift", *STAGE_PACKAGES[stage])}
+    return {name: version for name, version in found.items() if version is not None}
 
 
 def _digest(stage: str, inputs: dict[str, Any]) -> str:

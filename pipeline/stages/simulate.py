@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from heavylift.pipeline.log import Log
-    from heavylift.pipeline.results.histories import SegmentMark
+    from heavylift.pipeline.results.histories import Results, SegmentMark
     from heavylift.pipeline.results.mesh_results import MeshShape
     from heavylift.pipeline.stages.work import Work
     from heavylift.solver.scenario.operation import Operation
@@ -246,7 +246,7 @@ def _simulate(work: Work, digest: str, *, cut_off: bool) -> StageReport:
             about |= {"scenario": operation_log(simulation.operation)}
         finished = outcome is not Outcome.INTERRUPTED
         if finished:
-            _merge(work, simulation, advancer.segments, digest, outcome, message, about, meshes)
+            results = _merge(work, simulation, advancer.segments, digest, outcome, message, about, meshes)
     except StopError as error:
         with contextlib.suppress(StopError):
             _write_manifest(work, digest, error.outcome.name.lower(), str(error), finished=False, details={})
@@ -266,7 +266,10 @@ def _simulate(work: Work, digest: str, *, cut_off: bool) -> StageReport:
         **about,
     }
     if finished:
-        details["warning"] = "; ".join(filter(None, (about["warning"], *_hanging(work))))
+        from heavylift.pipeline.checks.hanging import hanging_warnings
+
+        hanging = hanging_warnings(work.case, results)
+        details["warning"] = "; ".join(filter(None, (about["warning"], *hanging)))
     _write_manifest(work, digest, details["outcome"], message, finished=finished, details=details)
     if finished:
         remove_segments(folder.segments)
@@ -276,14 +279,6 @@ def _simulate(work: Work, digest: str, *, cut_off: bool) -> StageReport:
     return StageReport(
         "simulate", outcome, skipped=False, cpu_s=details["cpu_s"], message=message, details=details
     )
-
-
-def _hanging(work: Work) -> list[str]:
-    """Warnings of how loads hang, by the results of the run."""
-    from heavylift.pipeline.checks.hanging import hanging_warnings
-    from heavylift.pipeline.results.histories import load_results
-
-    return hanging_warnings(work.case, load_results(work.case, work.folder.root))
 
 
 def _check_plan(work: Work, scene: Scene, operation: Operation) -> None:
@@ -354,7 +349,7 @@ def _merge(
     message: str,
     about: dict[str, Any],
     meshes: list[MeshShape],
-) -> None:
+) -> Results:
     """Merge the segments into the result file."""
     channels = [ChannelInfo(c.name, c.unit, tuple(c.components), c.column) for c in simulation.channels]
     section = work.case.simulate
@@ -378,7 +373,7 @@ def _merge(
         "versions": versions("simulate"),
         "overrides": list(work.case.overrides),
     }
-    merge_segments(
+    return merge_segments(
         work.folder.segments,
         work.folder.results,
         channels,

@@ -56,8 +56,9 @@ __all__ = [
 
 STAGES = ("mesh", "modes", "simulate", "report")
 
-MESHED_BY, REDUCED_BY = "heavylift.pipeline.assemble.finite_elements", "heavylift.pipeline.assemble.modes"
-"""Modules that do the work of a body."""
+MESHED_BY = ("heavylift.pipeline.assemble.finite_elements", "h5py", "meshio", "scipy.sparse.linalg", "skfem")
+REDUCED_BY = ("heavylift.pipeline.assemble.modes", "h5py", "scipy.linalg", "scipy.sparse.linalg", "skfem")
+"""Modules that do the work of a body; several processes share what has been loaded before they begin."""
 
 NAMED = 5
 """Bodies that a message names one by one."""
@@ -367,10 +368,10 @@ def _body_stage(
     file_of: Callable[[str], Path],
     digest_of: Callable[[Case, FlexibleBodySection], str],
     make: Callable[[str, FlexibleBodySection, dict[str, Any]], dict[str, Any]],
-    module: str,
+    modules: Sequence[str],
     alone: AbstractSet[str],
 ) -> StageReport:
-    """Make the file of every flexible body that is not current, by a module; several at once without what is alone."""
+    """Make the file of every flexible body that is not current, by some modules; several if nothing alone is loaded."""
     from heavylift.pipeline.stages.surfaces import reused
 
     manifest = read_json(work.folder.manifest(stage)) or {}
@@ -400,7 +401,8 @@ def _body_stage(
     several = wanted if not work.reuse or forced else {}
     with SideBySide(list(several.values()), alone=bool(alone & sys.modules.keys())) as processes:
         if processes.count > 1:
-            importlib.import_module(module)  # once, not in each copy
+            for module in modules:
+                importlib.import_module(module)
         results = processes.results() if processes.count > 1 else None
         for name in work.flexible:
             file = file_of(name)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from heavylift.numerics.joined import joined
 from heavylift.numerics.outcome import InputError
 from heavylift.preprocess.hydrodynamics.hull_panels import HullPanels, cut_at_plane, triangle_panels
 
@@ -22,7 +23,6 @@ __all__ = [
     "curves_between",
     "edges_of",
     "flat_patches",
-    "joined",
     "loops_around",
     "normals_of",
     "patched",
@@ -87,15 +87,6 @@ def normals_of(surface: HullPanels | PatchedSurface) -> tuple[NDArray[np.float64
     normal = 0.5 * np.cross(b - a, c - a)
     area = np.linalg.norm(normal, axis=1)
     return normal / np.maximum(area, 1e-300)[:, None], area
-
-
-def joined(count: int, pairs: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Numbers of the sets into which pairs join ``count`` items, shape (count,)."""
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
-    graph = coo_array((np.ones(len(pairs), dtype=np.int8), (pairs[:, 0], pairs[:, 1])), shape=(count, count))
-    return np.asarray(connected_components(graph, directed=False)[1], dtype=np.int64)
 
 
 def _patches(part: HullPanels, edges: Edges, wide: float) -> NDArray[np.int64]:

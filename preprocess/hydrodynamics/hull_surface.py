@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from heavylift.numerics.classes import dataclass
+from heavylift.numerics.joined import joined
 from heavylift.numerics.outcome import InputError
 from heavylift.preprocess.surfaces.report import unique_edges
 from heavylift.preprocess.surfaces.triangle_surface import WELD_TOLERANCE, TriangleSurface, clean
@@ -254,12 +255,8 @@ def _cover(surface: TriangleSurface, rims: NDArray[np.int64]) -> TriangleSurface
 
 def _components(size: int, joins: NDArray[np.int64]) -> tuple[int, NDArray[np.int64]]:
     """Count the sets of points that edges join, and number them for each point, shape (size,)."""
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
-    graph = coo_array((np.ones(len(joins), dtype=np.int8), joins.T), shape=(size, size))
-    count, label = connected_components(graph, directed=False)
-    return int(count), label
+    label = joined(size, joins)
+    return int(label.max(initial=-1)) + 1, label
 
 
 def _part_volumes(surface: TriangleSurface, joins: NDArray[np.int64], source: str, key: str) -> float:

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from heavylift.numerics.classes import dataclass
+from heavylift.numerics.joined import joined
 from heavylift.numerics.outcome import InputError
 from heavylift.preprocess.finite_elements.gmsh_session import gmsh_session
 from heavylift.preprocess.hydrodynamics.hull_panels import (
@@ -32,7 +33,6 @@ from heavylift.preprocess.hydrodynamics.hull_patches import (
     curves_between,
     edges_of,
     flat_patches,
-    joined,
     loops_around,
     normals_of,
     patched,

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from heavylift.numerics.classes import dataclass
+from heavylift.numerics.joined import joined
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -217,9 +218,6 @@ def _fewest_to_turn(edges: Edges, flipped: NDArray[np.bool_]) -> int:
     Every face stands twice in a graph, as it is and turned; neighbours join the copies that agree. A part of the
     surface that has two sides falls into two mirrored components, of which the smaller number of turned faces counts.
     """
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
     count = len(edges.of_side)
     if count == 0:
         return 0
@@ -230,8 +228,8 @@ def _fewest_to_turn(edges: Edges, flipped: NDArray[np.bool_]) -> int:
     a, b = face[order[first[pair]]], face[order[first[pair] + 1]]
     turned = count * flipped[pair]
     rows, columns = np.concatenate([a, a + count]), np.concatenate([b + turned, b + count - turned])
-    graph = coo_array((np.ones(len(rows), dtype=np.int8), (rows, columns)), shape=(2 * count, 2 * count))
-    parts, label = connected_components(graph, directed=False)
+    label = joined(2 * count, np.column_stack([rows, columns]))
+    parts = int(label.max()) + 1
     as_is, mirrored = label[:count], label[count:]
     two_sided = as_is != mirrored
     # in the component of one choice: faces that stand as they are, and faces that stand turned

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from heavylift.numerics.classes import dataclass
+from heavylift.numerics.joined import joined
 from heavylift.numerics.outcome import InputError
 
 if TYPE_CHECKING:
@@ -272,13 +273,8 @@ def _first_of_same_place(points: NDArray[np.float64], reach: float) -> NDArray[n
     first = order[new]
     pairs = _near_pairs(points[first], reach)
     if len(pairs):
-        from scipy.sparse import coo_array
-        from scipy.sparse.csgraph import connected_components
-
-        size = first.size
-        graph = coo_array((np.ones(len(pairs), dtype=np.int8), pairs.T), shape=(size, size))
-        count, part = connected_components(graph, directed=False)
-        lowest = np.full(count, len(points), dtype=np.int64)
+        part = joined(first.size, pairs)
+        lowest = np.full(int(part.max()) + 1, len(points), dtype=np.int64)
         np.minimum.at(lowest, part, first)
         first = lowest[part]
     return first[group]

@@ -526,6 +526,8 @@ class Reduced(Arrays):
     units
         Of each velocity that a body begins with whose mass is no diagonal: its first attachment to unit rows, whose
         panels through the inverse mass are the columns of that, three each; else -1.
+    joined
+        Of each velocity that a body begins with: 1 if rows of joints or ropes reach it, so that it feels others.
     """
 
     problem: Problem
@@ -537,6 +539,7 @@ class Reduced(Arrays):
     columns: Ints1
     velocities: Ints1
     units: Ints1
+    joined: Ints1
 
 
 class ContactRows(RowArrays):

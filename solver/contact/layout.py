@@ -17,7 +17,7 @@ damping. After the step s has grown by ``h w_t``, cut to ``2 mu p_n / (h k_t)`` 
 
 from __future__ import annotations
 
-from heavylift.numerics.arrays import Arrays, Floats1, Floats2, Ints2
+from heavylift.numerics.arrays import Arrays, Floats1, Floats2, Ints1, Ints2
 from heavylift.numerics.records import Record, Records, Vector
 
 __all__ = [
@@ -213,6 +213,9 @@ class Problem(Arrays):
         Rows of N per contact, shape (contacts, 36): three rows of stride 6 of the first end, then of the second.
     start, B
         Velocities without impulses, (size,), and their symmetric positive semidefinite inverse mass, (size, size).
+    head, past
+        Per velocity the first one that a row of B couples it with, and that behind the last one; entries outside are
+        not read. Of length 0: B is full.
     p
         In: impulses to begin with, those of the step before or zeros. Out: the solution, 3 a contact.
     y
@@ -228,6 +231,8 @@ class Problem(Arrays):
     blocks: Floats2
     start: Floats1
     B: Floats2
+    head: Ints1
+    past: Ints1
     p: Floats1
     y: Floats1
     work: Work

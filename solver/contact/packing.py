@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from heavylift.contours.splines.convex import BOX, CAPSULE, CYLINDER, ELLIPSOID, RING, Primitive, shape_row
 from heavylift.numerics.classes import dataclass
+from heavylift.numerics.joined import joined
 from heavylift.numerics.lanes import block_shape
 from heavylift.numerics.records import Records, lane_records, records
 from heavylift.solver.contact import layout
@@ -184,7 +185,7 @@ def pack_contacts(
         state[i].touch_damping = -1.0
     pairs = [side for meshes in collided.meshes for side in meshes.sides]
     islands = _islands([*sides, *pairs], linked, len(inverse_mass))
-    return _kind(packed, collided, sides, table, values, state, inverse_mass, block_count, islands)
+    return _kind(packed, collided, sides, table, values, state, inverse_mass, block_count, islands, linked)
 
 
 def _islands(
@@ -194,17 +195,13 @@ def _islands(
 
     Bodies, known by their first velocities, blocks of rows and contacts are the nodes of a graph.
     """
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
     first = velocity_count + 1 + int(linked["owner"].max(initial=-1))
     dof = np.append(linked["dof"], [side.dof for side in sides]).astype(np.int64)
     holder = np.append(linked["holder"], [side.holder for side in sides])
     by = np.append(velocity_count + linked["owner"], first + np.arange(len(sides)) // 2).astype(np.int64)
     moves = holder != PRESCRIBED
     size = first + len(sides) // 2
-    graph = coo_array((np.ones(moves.sum()), (dof[moves], by[moves])), shape=(size, size))
-    label = connected_components(graph, directed=False)[1]
+    label = joined(size, np.column_stack([dof[moves], by[moves]]))
     return np.unique(label[first:], return_inverse=True)[1].astype(np.int64)
 
 
@@ -218,6 +215,7 @@ def _kind(
     inverse_mass: NDArray[np.float64],
     block_count: int,
     islands: NDArray[np.int64],
+    linked: Records[Side],
 ) -> ContactRows:
     """Allocate everything that a step needs."""
     count, of_contours = len(table), len(table) - collided.most
@@ -258,6 +256,8 @@ def _kind(
         blocks=np.zeros((0, 36)),
         start=rates[0],
         B=delassus,
+        head=np.zeros(0, dtype=np.int64),
+        past=np.zeros(0, dtype=np.int64),
         p=rates[1],
         y=rates[2],
         work=make_work(count, max(3 * own, size)),
@@ -265,6 +265,8 @@ def _kind(
     )
     reduced = _reduced(dense, count if rigid_only else 0, size, len(inverse_mass) if rigid_only else 0)
     reduced.units[factored] = 2 * (count + np.arange(len(factored)))
+    if rigid_only:
+        reduced.joined[linked["dof"][linked["holder"] != PRESCRIBED]] = 1
     control = Events.one()
     control.watched = control.joins = -1
     return ContactRows(
@@ -326,6 +328,8 @@ def _reduced(dense: layout.Problem, contact_count: int, size: int, velocity_coun
         blocks=np.zeros((contact_count, 36)),
         start=np.zeros(size),
         B=np.zeros((size, size)),
+        head=np.zeros(size, dtype=np.int64),
+        past=np.zeros(size, dtype=np.int64),
         y=np.zeros(size),
     )
     return Reduced(
@@ -338,6 +342,7 @@ def _reduced(dense: layout.Problem, contact_count: int, size: int, velocity_coun
         columns=np.full(velocity_count, -1, dtype=np.int64),
         velocities=np.zeros(size, dtype=np.int64),
         units=np.full(velocity_count, -1, dtype=np.int64),
+        joined=np.zeros(velocity_count, dtype=np.int64),
     )
 
 

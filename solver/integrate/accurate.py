@@ -75,7 +75,7 @@ from heavylift.solver.interface import (
     joint_rows,
     store_state,
 )
-from heavylift.solver.rows.accurate import constrain, project, soften
+from heavylift.solver.rows.accurate import constrain, forget_reactions, project, soften
 
 __all__ = ["Integration", "make_integration", "run", "stiffness_seen"]
 
@@ -135,7 +135,13 @@ def _evaluate(
 
 @kernel(internal=True)
 def _project(
-    bodies: Bodies, joints: Joints, rows: Systems, work: Workspace, integration: Integration, time: float
+    bodies: Bodies,
+    joints: Joints,
+    rows: Systems,
+    work: Workspace,
+    integration: Integration,
+    allowed: float,
+    time: float,
 ) -> None:
     """Close the joints of the state at the end: one Newton step of positions, and velocities in the closed position.
 
@@ -150,13 +156,13 @@ def _project(
     begin_stage(bodies, time, values, at, work)
     for i in range(work.velocity.shape[0]):
         work.velocity[i] = 0.0
-    project(rows, bodies, joints, False, work, time)
+    project(rows, bodies, joints, integration, False, allowed, work, time)
     displace_poses(integration.coordinates, values, at, work.velocity)
     _change_nodes(bodies, rows, integration, False)
     begin_stage(bodies, time, values, at, work)
     for i in range(work.velocity.shape[0]):
         work.velocity[i] = values[at + i]
-    project(rows, bodies, joints, True, work, time)
+    project(rows, bodies, joints, integration, True, allowed, work, time)
     for i in range(work.velocity.shape[0]):
         values[at + i] = work.velocity[i]
     _change_nodes(bodies, rows, integration, True)
@@ -205,13 +211,14 @@ def _begin(
     rows: Systems,
     work: Workspace,
     integration: Integration,
+    allowed: float,
     time: float,
 ) -> None:
     """First node of the scene, closed, or first one behind a corner."""
     _take_newest(integration, END, 1)
     closed = not integration.progress.started
     if closed:
-        _project(bodies, joints, rows, work, integration, time)
+        _project(bodies, joints, rows, work, integration, allowed, time)
     _evaluate(bodies, forces, joints, rows, work, integration, END, END_RATE, time, False, closed)
     integration.progress.filled = 0
     _add_node(rows, integration, time)
@@ -251,15 +258,16 @@ def _step(
     rows: Systems,
     work: Workspace,
     integration: Integration,
-    allowed: float,
+    wanted: float,
     interval: float,
 ) -> bool:
     """One accepted step; its end becomes the newest node. False if there is none, with the reason in the status."""
     progress, values, control = integration.progress, integration.vectors, work.control
+    allowed = min(wanted, progress.largest_error)
     size = values.shape[0] // VECTORS
     if not progress.started or progress.at_corner:
         time = progress.times[progress.newest] if progress.started else 0.0
-        _begin(bodies, forces, joints, rows, work, integration, time)
+        _begin(bodies, forces, joints, rows, work, integration, allowed, time)
         if not progress.started:
             control.next_step = _first_step(rows, work, integration, allowed, interval)
         progress.started = True
@@ -319,7 +327,13 @@ def _step(
             work.status.outcome = STEP_TOO_SMALL if error < math.inf else NOT_FINITE
             return False
     write_end(values, size, END, h)
-    _project(bodies, joints, rows, work, integration, last)
+    chosen = progress.chosen
+    _project(bodies, joints, rows, work, integration, allowed, last)
+    if progress.chosen != chosen:  # rows came back: begin anew where they were not needed yet
+        control.next_step = SMALLEST_FACTOR * h
+        progress.rejections += 1
+        progress.at_corner = True
+        return True
     _evaluate(bodies, forces, joints, rows, work, integration, END, END_RATE, last, False, True)
     watch_stability(integration, h)
     time += h
@@ -454,9 +468,9 @@ def run(
     """
     integration, rows = carried(systems, 0), systems
     progress = integration.progress
-    allowed = min(SHARE * tolerance, progress.largest_error)
     for i in range(joint_rows(rows)):
-        soften(joint_rows(rows, i), progress.softening)
+        soften(joint_rows(rows, i), integration, False)
+        forget_reactions(joint_rows(rows, i))
     if not progress.started:  # reactions of the first record
         _take_newest(integration, END, 1)
         _evaluate(bodies, forces, joints, rows, work, integration, END, END_RATE, 0.0, True, False)
@@ -464,7 +478,7 @@ def run(
     for index in range(first, last):
         time = (index + 1) * step
         while _known_until(progress) < time:
-            if not _step(bodies, forces, joints, rows, work, integration, allowed, step):
+            if not _step(bodies, forces, joints, rows, work, integration, SHARE * tolerance, step):
                 return index
         if (index + 1) % every == 0:
             _sample(bodies, forces, joints, rows, work, integration, time)

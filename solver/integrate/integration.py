@@ -29,7 +29,7 @@ from heavylift.solver.interface import (
     record_rows,
 )
 from heavylift.solver.kinds import Members, implement
-from heavylift.solver.rows.structure import PRESCRIBED, RowSystem
+from heavylift.solver.rows.structure import ABSENT, PRESCRIBED, RowSystem
 
 __all__ = ["Integration", "Progress", "carried", "make_integration", "stiffness_seen", "watch_stability"]
 
@@ -45,11 +45,18 @@ NODE_ROWS = 3  # state, rates, second rates
 QUADRATURES = 3  # at the end of a vector
 
 
-LOOP_SOFTENING, TREE_SOFTENING = 1e-8, 1e-14
-"""Softness of the rows relative to their characteristic inverse mass: with loops, and without."""
+SHARED_SOFTENING, LOOP_SOFTENING, TREE_SOFTENING = 1e-8, 1e-10, 1e-14
+"""Softness of the rows relative to their characteristic inverse mass: of loops in which redundant rows share, of loops
+whose rows are independent, and of trees."""
 
-LOOSEST_LOOP = 1e-6
+LOOSEST_SHARED, LOOSEST_LOOP = 1e-6, 1e-4
 """Largest error of a step in scenes with loops, relative to the largest body: with more they leave their branch."""
+
+OPENS = 10.0
+"""Gap of a row that was left out, in largest errors of a step, from which on it is needed."""
+
+LOOSEST_IN_TREES = 1e-3
+"""The same where most joints are coordinates of trees. A four-bar leaves its branch with 1e-2."""
 
 
 class Progress(Record):
@@ -78,9 +85,12 @@ class Progress(Record):
         accelerations are not all among those of the workspace.
     length
         Of the largest body [m].
-    solutions, softening
-        Solutions of the system of the rows in an evaluation, and their softness relative to their characteristic
-        inverse mass.
+    solutions
+        Of the system of the rows in an evaluation.
+    chosen
+        Whether rows that follow from others are left out.
+    start_gap
+        Of those, at the start [m, rad].
     largest_error
         Of a step, whatever the tolerance [m].
     trees, velocities, spin
@@ -106,7 +116,8 @@ class Progress(Record):
     based: bool
     length: float
     solutions: int
-    softening: float
+    chosen: bool
+    start_gap: float
     largest_error: float
     trees: bool
     velocities: int
@@ -126,17 +137,21 @@ class Integration(Arrays):
         State, rates and errors of a step, one after the other; flat.
     coordinates
         What stands where in each of them.
+    softening
+        Softness of the rows of the joints relative to their characteristic inverse mass, by block and lane; flat.
     """
 
     carried_fields: ClassVar[tuple[str, ...]] = (
         "progress",
         "nodes",
+        "softening",
     )
 
     progress: Progress
     nodes: Floats1
     vectors: Floats1
     coordinates: Records[Coordinates]
+    softening: Floats1
 
     def take_start(self, bodies: Bodies, systems: Systems) -> None:
         """The carried state of the bodies becomes the first node: of trees, if they have them all."""
@@ -145,6 +160,25 @@ class Integration(Arrays):
             forest.write_tree_state(bodies, self.nodes)
         for kind in () if trees else bodies:
             kind.write_state(self.nodes)
+
+    @property
+    def loops(self) -> bool:
+        """Whether joints of bodies in no trees close loops, so that rows may follow from others."""
+        return not self.progress.trees and self.progress.largest_error < math.inf
+
+    def keep_rows(self, rows: NDArray[np.int64], kept: NDArray[np.bool_]) -> None:
+        """Leave rows out that follow from others.
+
+        Parameters
+        ----------
+        rows
+            Places of all rows in the table of softness, shape (rows,).
+        kept
+            Which of them to keep, shape (rows,).
+        """
+        self.progress.chosen = not kept.all()
+        self.progress.largest_error = LOOSEST_LOOP * self.progress.length
+        self.softening[rows] = np.where(kept, LOOP_SOFTENING, ABSENT)
 
 
 carried = Members(Systems, Integration)
@@ -219,16 +253,22 @@ def make_integration(
     driven = (coordinates["motion"] == DRIVEN).any()
     progress.driven = driven or any(hasattr(kind, "profiles") for kind in joints)
     progress.based = bool(systems) and any(len(getattr(kind, "bases", ())) for kind in bodies)
-    if all(_is_tree(system) for system in systems):
-        progress.solutions, progress.softening, progress.largest_error = 1, TREE_SOFTENING, math.inf
-    else:
-        progress.solutions, progress.softening = 2, LOOP_SOFTENING
-        progress.largest_error = LOOSEST_LOOP * progress.length
+    softening, progress.solutions, progress.largest_error = TREE_SOFTENING, 1, math.inf
+    if not all(_is_tree(system) for system in systems):
+        softening, progress.solutions = SHARED_SOFTENING, 2
+        progress.largest_error = (LOOSEST_SHARED if trees is None else LOOSEST_IN_TREES) * progress.length
     if trees is not None:
         progress.trees, progress.velocities, place = True, trees[0], sum(trees)
         coordinates = records(Coordinates, 0)
     size = padded(place + QUADRATURES)
-    return Integration(progress, np.zeros(SLOTS * NODE_ROWS * size), np.zeros(VECTORS * size), coordinates)
+    lanes = sum(len(system.attachments) // 2 * system.lanes for system in systems)
+    return Integration(
+        progress,
+        np.zeros(SLOTS * NODE_ROWS * size),
+        np.zeros(VECTORS * size),
+        coordinates,
+        np.full(lanes, softening),
+    )
 
 
 def stiffness_seen(integration: Integration) -> bool:

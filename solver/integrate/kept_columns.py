@@ -28,7 +28,7 @@ class KeptColumns:
     def __init__(self, columns: NDArray[np.int64]) -> None:
         self._columns = columns
         self._kept: list[NDArray[np.float64]] = []
-        self._rows = 0
+        self._rows = self._seen = 0
 
     def add(self, records: NDArray[np.float64]) -> None:
         """Keep a copy of more records, shape (rows, columns)."""
@@ -41,6 +41,11 @@ class KeptColumns:
         """Whether it is time to look."""
         return self._rows >= MOST
 
+    def news(self) -> list[NDArray[np.float64]]:
+        """What was added since the last call of this; it is kept all the same."""
+        found, self._seen = self._kept[self._seen :], len(self._kept)
+        return found
+
     def take(self) -> NDArray[np.float64]:
         """What is kept, which is forgotten, shape (rows, columns)."""
         kept = self._kept
@@ -51,4 +56,4 @@ class KeptColumns:
 
     def forget(self) -> None:
         """Keep nothing of what was added."""
-        self._kept, self._rows = [], 0
+        self._kept, self._rows, self._seen = [], 0, 0

@@ -146,7 +146,8 @@ class RunWatch:
     @property
     def finite(self) -> bool:
         """Whether energies and momenta of all records are numbers."""
-        self._look()
+        if self._finite:
+            self._finite = all(np.isfinite(rows[:, : self._sums]).all() for rows in self._waiting.news())
         return self._finite
 
     @property

@@ -37,6 +37,7 @@ from heavylift.numerics.records import (
 )
 
 __all__ = [
+    "ABSENT",
     "MOVES",
     "REGULARISATION",
     "SHAPES",

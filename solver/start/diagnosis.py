@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.classes import dataclass
+from heavylift.numerics.sparse_rows import SparseRows
 from heavylift.solver.start.consistent_start import close_positions
 from heavylift.solver.start.motion_words import motion_words, move_words
 from heavylift.solver.start.rows import StartRows, plural, quoted
@@ -28,11 +29,16 @@ __all__ = [
     "Core",
     "Diagnosis",
     "Pair",
+    "ScaledRows",
     "block_rank",
     "body_graph",
+    "core_part",
     "diagnose",
+    "joint_graph",
+    "move_nearby",
     "null_spaces",
     "rank_of",
+    "scale_rows",
 ]
 
 EXACT = 1e-8
@@ -74,7 +80,7 @@ class Diagnosis:
 
 
 @dataclass(frozen=True)
-class _Scaled:
+class ScaledRows:
     """Rigid rows with velocities in lengths: unit rows, so that a rank does not depend on units."""
 
     matrix: Any
@@ -114,22 +120,12 @@ def diagnose(rows: StartRows) -> Diagnosis:
         The scene; it is displaced and put back.
     """
     rows.fill()
-    scaled, lengths = _scaled(rows)
+    scaled, lengths = scale_rows(rows)
     if rows.mesh_bodies:
         return _count_with_meshes(rows, scaled)
-    rigid_blocks = np.unique(scaled.block)
-    sides = np.where(np.isin(np.arange(len(rows.sides)), rigid_blocks)[:, None], rows.sides, -1)
-    count = len(rows.layout.body_names)
-    free = np.bincount(rows.owner[rows.free], minlength=count)
-    width = np.bincount(rows.owner, minlength=count)
-    sides, more = _touched(scaled, sides)
-    graph = body_graph(count, sides, (width != 6) | ((free != 6) & (free != 0)), more)
-    moving = set(np.flatnonzero(free).tolist())
-
+    graph, moving = joint_graph(rows, scaled)
     places = rows.survey()[0]
-    held = _held_frames(rows, places, moving)
-    graph = _tied(graph, held)
-    ranks = [rank_of(*_core_part(scaled, core), scaled.tolerance) for core in graph.cores]
+    ranks = [rank_of(*core_part(scaled, core), scaled.tolerance) for core in graph.cores]
     names = rows.layout.body_names
     rank, loose = sum(ranks), 0
     texts: list[tuple[Pair, int]] = []
@@ -146,7 +142,7 @@ def diagnose(rows: StartRows) -> Diagnosis:
             motions.append(_bridge_motion(rows, places[bridge.bodies[1]], bridge, null * own_lengths))
     if len(motions) == SENTENCES:
         motions.append(f"all joints outside of loops leave {plural(loose, 'motion')} together")
-    near = _nearby(rows, scaled, lengths, graph, ranks)
+    near = move_nearby(rows, scaled, lengths, graph, ranks, DENSE)
     redundant = [
         f"{_joints(rows, bridge.blocks)} hold {names[bridge.bodies[1]]!r} with"
         f" {plural(more, 'row')} too many: the distribution of their forces is not unique"
@@ -174,6 +170,19 @@ def diagnose(rows: StartRows) -> Diagnosis:
     )
 
 
+def joint_graph(rows: StartRows, scaled: ScaledRows) -> tuple[BodyGraph, set[int]]:
+    """Bridges and cores of the rigid joints, and the bodies that have free velocities."""
+    rigid_blocks = np.unique(scaled.block)
+    sides = np.where(np.isin(np.arange(len(rows.sides)), rigid_blocks)[:, None], rows.sides, -1)
+    count = len(rows.layout.body_names)
+    free = np.bincount(rows.owner[rows.free], minlength=count)
+    width = np.bincount(rows.owner, minlength=count)
+    sides, more = _touched(scaled, sides)
+    graph = body_graph(count, sides, (width != 6) | ((free != 6) & (free != 0)), more)
+    moving = set(np.flatnonzero(free).tolist())
+    return _tied(graph, _held_frames(rows, rows.survey()[0], moving)), moving
+
+
 def _held_frames(rows: StartRows, places: NDArray[np.float64], moving: set[int]) -> set[int]:
     """Bodies that can only deform: their frames are fixed or driven."""
     free = set(rows.free.tolist())
@@ -189,7 +198,7 @@ def _tied(graph: BodyGraph, held: set[int]) -> BodyGraph:
     return replace(graph, cores=cores, floating=floating)
 
 
-def _count_with_meshes(rows: StartRows, scaled: _Scaled) -> Diagnosis:
+def _count_with_meshes(rows: StartRows, scaled: ScaledRows) -> Diagnosis:
     """Degrees of freedom only: what a mesh that deforms at will leaves free has no name."""
     rank = rank_of(scaled.matrix, scaled.owner, scaled.tolerance)
     coordinates = sum(kind.hidden_coordinates for kind in rows.layout.bodies)
@@ -203,7 +212,7 @@ def _count_with_meshes(rows: StartRows, scaled: _Scaled) -> Diagnosis:
     )
 
 
-def _scaled(rows: StartRows) -> tuple[_Scaled, NDArray[np.float64]]:
+def scale_rows(rows: StartRows) -> tuple[ScaledRows, NDArray[np.float64]]:
     """Unit rows over the free velocities, and the factors that take scaled velocities back."""
     inertia, owner = rows.inertia, rows.owner
     lengths = np.ones(len(rows.free))
@@ -220,22 +229,17 @@ def _scaled(rows: StartRows) -> tuple[_Scaled, NDArray[np.float64]]:
             lengths[place] = np.where(kind < 3, gyration, np.where(kind < 6, 1.0, gyration * np.sqrt(mass)))
     if not rows.rigid.any():  # a scene without joints need not wait for an import
         nothing = np.zeros((0, len(rows.free)))
-        return _Scaled(nothing, rows.block[rows.rigid], owner[rows.free], EXACT), lengths
-    from scipy.sparse import diags_array
-
-    G = (rows.jacobian()[rows.rigid][:, rows.free] * lengths[None, :]).tocsr()
-    norm = np.sqrt(np.asarray((G * G).sum(axis=1)).ravel())
-    norm[norm == 0.0] = 1.0
+        return ScaledRows(nothing, rows.block[rows.rigid], owner[rows.free], EXACT), lengths
+    G = SparseRows(rows.entries(), rows.entry_rows, rows.entry_columns, (len(rows.rigid), len(inertia)))
+    G = G.part(np.flatnonzero(rows.rigid), rows.free)
+    G.data *= lengths[G.indices]
     violation = float(np.abs(rows.residual[rows.rigid]).max(initial=0.0))
-    unit = (diags_array(1.0 / norm) @ G).tocsr() if len(norm) else G
-    unit.eliminate_zeros()
-    unit.sort_indices()
     tolerance = EXACT + 30.0 * violation / min(1.0, float(lengths.min(initial=1.0)))
-    return _Scaled(unit, rows.block[rows.rigid], owner[rows.free], tolerance), lengths
+    return ScaledRows(G.unit_rows(), rows.block[rows.rigid], owner[rows.free], tolerance), lengths
 
 
 def _touched(
-    scaled: _Scaled, sides: NDArray[np.int64]
+    scaled: ScaledRows, sides: NDArray[np.int64]
 ) -> tuple[NDArray[np.int64], list[tuple[int, int, int]]]:
     """Bodies of each block on which its rows act in this position, and of those on more than two the other pairs.
 
@@ -254,35 +258,42 @@ def _touched(
     return sides, more
 
 
-def _core_part(scaled: _Scaled, core: Core) -> tuple[Any, NDArray[np.int64]]:
+def core_part(scaled: ScaledRows, core: Core) -> tuple[Any, NDArray[np.int64]]:
     """Rows of a core and the body of each of its columns."""
     blocks = [block for pair in core.pairs for block in pair.blocks]
     columns = scaled.columns(core.bodies)
-    part = scaled.matrix[scaled.rows(blocks)][:, columns].tocsr()
-    part.sort_indices()
-    return part, scaled.owner[columns]
+    return scaled.matrix.part(scaled.rows(blocks), columns), scaled.owner[columns]
 
 
 @dataclass(frozen=True)
-class _Nearby:
-    """The same rows in a nearby position, the ranks of the cores there, and whether it could not be reached."""
+class NearbyRows:
+    """The same rows in a nearby position, ranks of the cores; whether they close, and only where they were."""
 
-    scaled: _Scaled
+    scaled: ScaledRows
     ranks: list[int]
+    closed: bool
     stuck: bool
 
 
-def _nearby(
-    rows: StartRows, scaled: _Scaled, lengths: NDArray[np.float64], graph: BodyGraph, ranks: list[int]
-) -> _Nearby | None:
-    """Move a little along what is free inside the cores, close the joints again, and compare."""
-    if not graph.cores or scaled.matrix.shape[1] > DENSE:
+def move_nearby(
+    rows: StartRows,
+    scaled: ScaledRows,
+    lengths: NDArray[np.float64],
+    graph: BodyGraph,
+    ranks: list[int],
+    largest: int,
+) -> NearbyRows | None:
+    """Move a little along what is free inside the cores, close the joints again, and compare.
+
+    None without a core, or without a motion inside of one, or with more columns than a number.
+    """
+    if not graph.cores or scaled.matrix.shape[1] > largest:
         return None
     random = np.random.default_rng(1)
     step = np.zeros(len(rows.free))
     for core in graph.cores:
         own = scaled.columns(core.bodies)
-        null = null_spaces(_core_part(scaled, core)[0].toarray(), scaled.tolerance)[1]
+        null = null_spaces(core_part(scaled, core)[0].toarray(), scaled.tolerance)[1]
         if null.shape[1]:
             direction = null @ random.normal(size=null.shape[1])
             step[own] = direction / np.abs(direction).max()
@@ -297,17 +308,17 @@ def _nearby(
     moved = np.zeros(len(rows.inertia))
     for kind, place in zip(rows.layout.bodies, places, strict=True):
         kind.put_increment(place, kind.poses(), moved)
-    there = _scaled(rows)[0]
-    near = [rank_of(*_core_part(there, core), there.tolerance) for core in graph.cores]
+    there = scale_rows(rows)[0]
+    near = [rank_of(*core_part(there, core), there.tolerance) for core in graph.cores]
     went = np.abs(moved[rows.free] / lengths).max()  # frames and modes, in lengths of a body
     rows.restore(before)
     rows.start()
     rows.fill()
-    return _Nearby(there, near if closed else ranks, closed and bool(went < 0.05 * NEARBY))
+    return NearbyRows(there, near if closed else ranks, closed, closed and bool(went < 0.05 * NEARBY))
 
 
 def _core_redundancy(
-    rows: StartRows, scaled: _Scaled, near: _Nearby | None, core: Core, rank: int
+    rows: StartRows, scaled: ScaledRows, near: NearbyRows | None, core: Core, rank: int
 ) -> list[str]:
     """Sentences on the loops of a core that have rows too many, shortest first."""
     blocks = np.array([block for pair in core.pairs for block in pair.blocks])
@@ -355,11 +366,11 @@ def _core_redundancy(
 
 
 def _core_motions(
-    rows: StartRows, scaled: _Scaled, lengths: NDArray[np.float64], core: Core, rank: int
+    rows: StartRows, scaled: ScaledRows, lengths: NDArray[np.float64], core: Core, rank: int
 ) -> list[str]:
     """A sentence on what moves inside the loops of a core."""
     names = [rows.layout.body_names[body] for body in core.bodies]
-    part, _ = _core_part(scaled, core)
+    part, _ = core_part(scaled, core)
     count = part.shape[1] - rank - (0 if core.grounded else 6)
     if count <= 0:
         return []

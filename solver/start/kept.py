@@ -29,7 +29,7 @@ class FoundStart(NamedTuple):
 
     Attributes
     ----------
-    text
+    texts
         What it says of itself.
     residual
         Of the loads that is left, as `residual_at_rest` tells it.
@@ -37,7 +37,7 @@ class FoundStart(NamedTuple):
         Bytes of what it has changed, by name.
     """
 
-    text: str
+    texts: tuple[str, ...]
     residual: float
     arrays: Mapping[str, NDArray[np.uint8]]
 
@@ -52,7 +52,9 @@ class StartStore(Protocol):
         """Keep it, in place of what was kept before."""
 
 
-def known_start(rows: StartRows, store: StartStore, words: object, search: Callable[[], str]) -> str:
+def known_start(
+    rows: StartRows, store: StartStore, words: object, search: Callable[[], tuple[str, ...]]
+) -> tuple[str, ...]:
     """Bring a scene to rest, as an earlier search has left it or by a new one; the same bits in both cases.
 
     Parameters
@@ -64,11 +66,11 @@ def known_start(rows: StartRows, store: StartStore, words: object, search: Calla
     words
         All that the search sees beside the arrays of the scene, as plain values.
     search
-        Brings the scene to rest, and says so.
+        Brings the scene to rest, and says how.
 
     Returns
     -------
-    str
+    tuple of str
         What the search said.
     """
     arrays = _arrays(rows.layout)
@@ -81,15 +83,15 @@ def known_start(rows: StartRows, store: StartStore, words: object, search: Calla
         residual = residual_at_rest(rows)
         _put(arrays, rest)
         if residual == found.residual:
-            return found.text
+            return found.texts
         _put(arrays, before)
-    text = search()
+    texts = search()
     rest = _copied(arrays)
     residual = residual_at_rest(rows)
     _put(arrays, rest)
     changed = {name: value for name, value in rest.items() if not np.array_equal(value, before[name])}
-    store.write(digest, FoundStart(text, residual, changed))
-    return text
+    store.write(digest, FoundStart(texts, residual, changed))
+    return texts
 
 
 def _arrays(layout: Layout) -> dict[str, NDArray[np.uint8]]:

@@ -170,6 +170,12 @@ class StartRows:
         if self._system is not None:
             fill_rigid_rows(layout.bodies, layout.joints, self._system, layout.work, self.time)
 
+    @property
+    def places(self) -> NDArray[np.int64]:
+        """Places of the rows in a table of all blocks and lanes, shape (rows,)."""
+        lanes = 1 if self._system is None else self._system.lanes
+        return self.block * lanes + self._lane
+
     def column(self, name: str) -> NDArray[np.float64]:
         """A field of `heavylift.solver.rows.structure.Row`, shape (rows,)."""
         return self._table[name][self.block, self._lane]

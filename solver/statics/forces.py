@@ -14,7 +14,7 @@ from heavylift.solver.scene.connections import MEASURES
 from heavylift.solver.start.rows import StartRows
 from heavylift.solver.statics.rows_at_rest import fill_at_rest
 
-__all__ = ["STEP", "OneSided", "StaticForces", "act_between"]
+__all__ = ["STEP", "OneSided", "StaticForces", "act_between", "only_watches"]
 
 STEP = 1e-9
 """Of time [s], for which laws write targets and softness: winches and dampers do nothing in it."""
@@ -29,12 +29,14 @@ AS_SAID = 1e-6
 """Relative difference up to which the force of a row is that of its one-sided spring."""
 
 
+def only_watches(kind: Any) -> bool:
+    """Whether a kind of forces is none: measures, as loads of hooks, only watch."""
+    return type(kind).__module__.startswith(MEASURES.package)
+
+
 def act_between(forces: Iterable[Any]) -> bool:
-    """Whether some kinds of forces act between bodies. Measures, as loads of hooks, only watch."""
-    return any(
-        type(kind).__name__ not in ON_ONE_BODY and not type(kind).__module__.startswith(MEASURES.package)
-        for kind in forces
-    )
+    """Whether some kinds of forces act between bodies."""
+    return any(type(kind).__name__ not in ON_ONE_BODY and not only_watches(kind) for kind in forces)
 
 
 @dataclass(frozen=True)

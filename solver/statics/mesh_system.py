@@ -27,10 +27,11 @@ from heavylift.solver.bodies.ancf.at_rest import (
 from heavylift.solver.bodies.ancf.frame_data import frame_follower
 from heavylift.solver.bodies.ancf.kind import FOLLOWER_ELEMENT, FOLLOWER_NODE
 from heavylift.solver.bodies.ancf.sparse_matrices import MeshMatrices, mesh_matrices
+from heavylift.solver.bodies.frames.base import FrameBodies
 from heavylift.solver.integrate.loop import evaluate_loads
 from heavylift.solver.interface import FORCES, Forces
 from heavylift.solver.start.rows import StartRows
-from heavylift.solver.statics.forces import STEP, act_between
+from heavylift.solver.statics.forces import STEP, act_between, only_watches
 from heavylift.solver.statics.rows_at_rest import fill_at_rest
 
 __all__ = ["MeshSystem"]
@@ -107,6 +108,11 @@ class MeshSystem:
         self._changes = [matrices.base_changes() for matrices in self.matrices]
         self._together: _Together | None = None
         self._promised = False
+        bare = all(type(kind).collect_load is FrameBodies.collect_load for kind in self.others)
+        self._rows_alone = bare and all(
+            type(kind).__name__ == "UniformGravity" or only_watches(kind) for kind in layout.forces
+        )
+        self._last_between: tuple[bytes, Any] = (b"", None)
 
     def _extent(self) -> float:
         """Size of the scene [m]."""
@@ -257,9 +263,10 @@ class MeshSystem:
         else:
             evaluate_loads(layout.bodies, self._inner, layout.work, rows.time)
         pull = np.zeros(len(rows.inertia))
-        for kind in self.others:
-            kind.collect_load(layout.work, pull)
-        self._add_base_loads(pull)
+        if not self._rows_alone:
+            for kind in self.others:
+                kind.collect_load(layout.work, pull)
+            self._add_base_loads(pull)
         reaction = np.zeros(len(rows.block))
         if layout.systems:
             soft = ~rows.rigid
@@ -361,13 +368,24 @@ class MeshSystem:
     def between(self, factor: float, multipliers: NDArray[np.float64] | None = None) -> Any:
         """Minus the derivative of forces on bases and other bodies by velocities of the workspace; reactions kept.
 
-        Directions that no row, no body and no base has in common are displaced together, see `_Together`.
+        Directions that no row, no body and no base has in common are displaced together, see `_Together`. What was
+        found last is kept: searches come back to where a step began.
         """
+        if multipliers is None:
+            multipliers = np.zeros(int(np.count_nonzero(self.rows.rigid)) if self.layout.systems else 0)
+        here = [np.array([factor]), multipliers, *(kind.position for kind in self.meshes)]
+        for kind in self.others:
+            here += kind.poses() if isinstance(kind, FrameBodies) else numbers_in(kind)
+        key = b"".join(array.tobytes() for array in here)
+        if key != self._last_between[0]:
+            self._last_between = key, self._difference(factor, multipliers)
+        return self._last_between[1]
+
+    def _difference(self, factor: float, multipliers: NDArray[np.float64]) -> Any:
+        """`between` of the present position, by central differences."""
         from scipy.sparse import csc_array
 
         count = len(self.rows.inertia)
-        if multipliers is None:
-            multipliers = np.zeros(int(np.count_nonzero(self.rows.rigid)) if self.layout.systems else 0)
         if self._together is None:
             self._together = _Together.of(self)
         together, before = self._together, self.snapshot()
@@ -375,10 +393,10 @@ class MeshSystem:
         for group in together.groups:
             increment = np.asarray(sum(step * direction for _, direction, step in group))
             sides = []
-            for way in (1.0, -2.0):
+            for way in (1.0, -1.0):
                 self.move(way * increment)
                 sides.append(self._parts(factor, multipliers, together.entries))
-            self.move(increment)
+                self.restore(before)
             slope = 0.5 * (sides[1] - sides[0])
             number = np.full(together.edge_count, -1)
             for k, (column, _, _) in enumerate(group):
@@ -388,7 +406,6 @@ class MeshSystem:
             columns = np.array([column for column, _, _ in group])[by[kept]]
             steps = np.array([step for _, _, step in group])[by[kept]]
             entries.append((together.height[kept], columns, slope[kept] / steps))
-        self.restore(before)
         if not entries:
             return csc_array((count, count))
         heights, columns, values = (np.concatenate(part) for part in zip(*entries, strict=True))
@@ -423,6 +440,8 @@ class MeshSystem:
         if layout.systems:
             reaction[rows.rigid] = multipliers
             rowwise = rows.entries()[entries] * reaction[rows.entry_rows[entries]]
+        if self._rows_alone:
+            return np.concatenate([rowwise, pull])
         evaluate_loads(layout.bodies, self._loads, layout.work, rows.time)
         load = np.zeros(len(rows.inertia))
         for kind in self.others:

@@ -37,6 +37,9 @@ SOFTNESS = 1e-11
 PENALTY = 1e3
 """Stiffness of unit rows relative to the largest, with which they are factored."""
 
+ROUNDED_PIVOT = 1e-13
+"""Relative to the largest stiffness: of a direction that nothing holds, along which multipliers find nothing."""
+
 ROUNDS, MET, ENOUGH = 12, 1e-14, 1e-9
 """Of multipliers: most of them; relative miss that ends them; that from which the whole system is factored instead."""
 
@@ -256,10 +259,12 @@ class Factor:
                 raise
             self._solve = self._factor_whole()
             return
+        pivots = factor.U.diagonal()
         if check:
-            self.positive = bool(np.all(factor.U.diagonal() > 0.0))
+            self.positive = bool(np.all(pivots > 0.0))
         self._penalised = factor.solve
-        self._solve = self._by_multipliers
+        neutral = float(np.abs(pivots).min()) <= ROUNDED_PIVOT * self._size
+        self._solve = self._factor_whole() if neutral and self.positive is not False else self._by_multipliers
 
     def _factor_whole(self) -> Callable[[NDArray[np.float64]], NDArray[np.float64]]:
         """That of the system with its multipliers."""
@@ -295,7 +300,10 @@ class Factor:
                 break
             last = miss
         if not min(miss, last) <= ENOUGH:
-            self._whole = self._factor_whole()
+            try:
+                self._whole = self._factor_whole()
+            except RuntimeError:  # exactly singular: the answer is no number
+                return np.full(len(right), np.nan)
             return self._whole(right)
         return np.concatenate([x, pull / size])
 

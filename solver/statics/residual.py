@@ -13,7 +13,7 @@ __all__ = ["residual_at_rest"]
 
 @one_blas_thread
 def residual_at_rest(rows: StartRows) -> float:
-    """Forces that joints and springs leave at the present position.
+    """Forces that joints and springs leave at the present position; what contacts bear is among what is left.
 
     Parameters
     ----------

@@ -23,10 +23,13 @@ STEPS = 400
 FIRST_MOVE, FARTHEST = 0.2, 2.0
 """Displacement that the first step may promise, in units of a large one; how far any may lead beyond its promise."""
 
-LOOSE = 1e-4
+LOOSE = 1e-2
 """Residual of a step that is on its way."""
 
-DIRECT = 0.1
+PATIENCE = 10
+"""Most iterations of a step."""
+
+DIRECT = 0.25
 """Displacement, in units of a large one, from which Newton's method alone is tried."""
 
 SLOW = 0.02
@@ -76,7 +79,14 @@ def _sink(problem: StaticProblem, progress: Progress, factor: float) -> bool:
             progress.multipliers = before[1]
         used = progress.iterations
         arrived = correct(
-            problem, progress, factor, anchor=hold, farthest=FARTHEST, tolerance=enough, patience=10
+            problem,
+            progress,
+            factor,
+            anchor=hold,
+            farthest=FARTHEST,
+            tolerance=enough,
+            patience=PATIENCE,
+            firm=True,  # a step that begins where the stiffness is not positive leads nowhere: a shorter one is tried
         )
         if arrived and progress.iterations == used:  # nothing was done
             enough *= 0.1

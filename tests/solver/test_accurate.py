@@ -6,12 +6,12 @@ import math
 
 import numpy as np
 import pytest
+from rods import HALF, G, channel, hinge, loads, parallelogram, rod
 from scipy.integrate import solve_ivp
 from scipy.special import ellipj
 
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import InputError
-from heavylift.solver.forces.point import PointForce
 from heavylift.solver.forces.spring import Spring
 from heavylift.solver.integrate.accurate import Integration, make_integration, stiffness_seen
 from heavylift.solver.integrate.dop853 import STAGES, write_end, write_stage
@@ -23,8 +23,6 @@ from heavylift.solver.simulation import Simulation
 
 MOMENTS = np.array([1.0, 2.0, 2.5])
 SPIN = np.array([1.0, 0.0, 3.0])
-G = 9.81
-HALF = np.array([0.5, 0.0, 0.0])
 
 
 def body_spin(time: np.ndarray) -> np.ndarray:
@@ -72,34 +70,6 @@ def test_the_method_is_of_order_eight() -> None:
     orders = np.log2(np.array(deviations[:-1]) / deviations[1:])
     assert np.all(orders > 7.5), orders
     assert deviations[-1] < 1e-8
-
-
-def channel(simulation: Simulation, records: np.ndarray, name: str) -> np.ndarray:
-    found = next(c for c in simulation.channels if c.name == name)
-    return records[:, found.column : found.column + len(found.components)]
-
-
-def hinge(name: str, a: str, b: str, at_a: tuple[float, ...], at_b: tuple[float, ...]) -> Hinge:
-    frames = {"frame_a": JointFrame(np.array(at_a)), "frame_b": JointFrame(np.array(at_b))}
-    return Hinge(name=name, body_a=a, body_b=b, **frames)
-
-
-def rod(name: str, a: tuple[float, ...], b: tuple[float, ...], **motion: object) -> RigidBody:
-    """Rod of 1 kg from a to b, upright or level."""
-    d = np.abs(np.subtract(b, a))
-    inertia = np.diag([1e-3 if d[0] > 0 else 1 / 12, 1e-3 if d[1] > 0 else 1 / 12, 1 / 12])
-    return RigidBody(name, 1.0, inertia, position=np.add(a, b) / 2.0, **motion)  # type: ignore[arg-type]
-
-
-def loads(
-    gravity: tuple[float, float, float],
-    body: str,
-    times: np.ndarray | None = None,
-    forces: np.ndarray | None = None,
-) -> tuple[Gravity, PointForce]:
-    """Gravity and a force on the centre of mass, so that all scenes here are of the same kinds and compile once."""
-    times, forces = (np.zeros(1), np.zeros((1, 3))) if times is None else (times, forces)
-    return Gravity(np.array(gravity)), PointForce("load", body, np.zeros(3), times, forces)
 
 
 def top_scene(times: np.ndarray | None = None, forces: np.ndarray | None = None) -> Scene:
@@ -200,21 +170,6 @@ def test_energy_and_reaction_of_a_pendulum() -> None:
     force = channel(simulation, records, "h0.reaction_force")
     np.testing.assert_allclose(force[:, 0], -radial * cosine + tangential * sine, atol=1e-5)
     np.testing.assert_allclose(force[:, 1], radial * sine + tangential * cosine, atol=1e-5)
-
-
-def parallelogram(loops: int) -> Scene:
-    """Square loops in a row, upright cranks with tips at 1 m/s: singular when all is level."""
-    cranks = [
-        rod(f"c{k}", (k, 0.0, 0.0), (k, 1.0, 0.0), velocity=HALF, angular_velocity=np.array([0.0, 0.0, -1.0]))
-        for k in range(loops + 1)
-    ]
-    couplers = [rod(f"k{k}", (k, 1.0, 0.0), (k + 1.0, 1.0, 0.0), velocity=2.0 * HALF) for k in range(loops)]
-    up, down = (0.0, 0.5, 0.0), (0.0, -0.5, 0.0)
-    joints = [hinge(f"g{k}", GROUND, f"c{k}", (k, 0.0, 0.0), down) for k in range(loops + 1)]
-    joints += [hinge(f"p{k}", f"c{k}", f"k{k}", up, tuple(-HALF)) for k in range(loops)]
-    joints += [hinge(f"q{k}", f"c{k + 1}", f"k{k}", up, tuple(HALF)) for k in range(loops)]
-    sensor = Sensor("tip", "c0", np.array([0.0, 0.5, 0.0]))
-    return Scene((*cranks, *couplers), loads((0.0, -G, 0.0), "c0"), (sensor,), tuple(joints))
 
 
 @pytest.mark.parametrize("loops", [1, 2])

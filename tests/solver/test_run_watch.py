@@ -103,12 +103,15 @@ def test_energies_that_are_no_numbers_are_an_outcome() -> None:
 def test_rows_that_are_no_numbers_are_left_out_whatever_comes_with_them() -> None:
     """Looked at one by one, or all at once."""
     rows = records(error=[0.0, 0.1, 0.2, 0.5], kinetic=[1.0, math.nan, 1.5, 3.0])
-    single, together = RunWatch(CHANNELS), watched(rows)
-    for row in rows:
+    single, asked, together = RunWatch(CHANNELS), RunWatch(CHANNELS), watched(rows)
+    for number, row in enumerate(rows):
         single.add(row[None])
+        asked.add(row[None])
+        assert asked.finite == (number < 1)
         assert single.begun
         single.state  # noqa: B018  a look
     np.testing.assert_array_equal(single.state, together.state)
+    np.testing.assert_array_equal(asked.state, together.state)
     assert not together.finite
     assert (together.gain, together.kinetic) == (2.5, 3.0)  # of a balance from 1 to 3.5 J
 

@@ -171,6 +171,18 @@ def mechanism(seed: int) -> tuple[oracle.Model, list[Any]]:
     return oracle.Model(bodies, rows, [pull], G), joints
 
 
+@pytest.mark.parametrize("seed", [500, 502, 503, 507])
+def test_trees_in_joint_coordinates(seed):
+    """The same mechanisms by the accurate integrator, directly: joints of trees are coordinates there."""
+    model, joints = mechanism(seed)
+    scene = Scene(solver_bodies(model), (Gravity(G),), (), tuple(joints), solver_ropes(model))
+    names = [f"body_{i}" for i in range(len(model.bodies))]
+    found, simulation, _ = histories(scene, TIMES[1], names, integrator="accurate", tolerance=1e-9)
+    assert any(type(kind).__name__ == "Forest" for kind in simulation._layout.systems)
+    expected = oracle_histories(model)
+    assert np.abs(found - expected).max() < 2e-7 * max(1.0, float(np.abs(expected - expected[0]).max()))
+
+
 def solver_ropes(model: oracle.Model) -> tuple[Rope, ...]:
     def end(side: int, point: NDArray[np.float64]) -> RopePoint:
         return RopePoint(GROUND if side < 0 else f"body_{side}", point)

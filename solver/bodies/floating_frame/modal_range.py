@@ -96,8 +96,9 @@ class _Watched:
         for k in range(2):
             found[:, k] = np.abs(q) @ self.bounds[k]  # more than it can be: most records need no second look
             large = np.flatnonzero(found[:, k] > TOLD[k])
-            moved = (q[large] @ self.shapes[k]).reshape(len(large), self.shapes[k].shape[1] // 3, 3)
-            found[large, k] = np.linalg.norm(moved, axis=2).max(axis=1, initial=0.0)
+            if large.size:
+                moved = (q[large] @ self.shapes[k]).reshape(len(large), self.shapes[k].shape[1] // 3, 3)
+                found[large, k] = np.linalg.norm(moved, axis=2).max(axis=1, initial=0.0)
         if self.spin >= 0:
             w = records[:, self.spin : self.spin + 3]
             found[:, 2] = np.sqrt(np.einsum("rk,kl,rl->r", w, self.inertia, w).clip(0.0))

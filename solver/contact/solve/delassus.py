@@ -14,7 +14,7 @@ from heavylift.solver.rows.structure import (
     FACTORED,
 )
 
-__all__ = ["assemble_delassus", "contact_rates", "push"]
+__all__ = ["assemble_delassus", "contact_rates", "own_response", "push"]
 
 
 @kernel(internal=True)
@@ -38,6 +38,24 @@ def push(
                 velocity[dof + k] += (
                     contacts.panels[at + k * lanes] * contacts.inverse_mass[dof + k] * impulse
                 )
+
+
+@kernel(internal=True)
+def own_response(contacts: ContactRows, contact: int, row: int) -> float:
+    """Rate of one row of a contact by a unit impulse on it, bodies alone."""
+    lanes = len(contacts.shape[1])
+    half = contacts.panels.shape[0] // 2
+    total = 0.0
+    for i in (2 * contact, 2 * contact + 1):
+        holder = contacts.attachments[i].holder
+        dof, at = contacts.attachments[i].dof, contacts.attachments[i].panel + row
+        for k in range(contacts.attachments[i].width):
+            if holder == FACTORED:
+                total += contacts.panels[at + k * lanes] * contacts.panels[half + at + k * lanes]
+            elif holder == DIAGONAL:
+                pushed = contacts.panels[at + k * lanes] * contacts.inverse_mass[dof + k]
+                total += contacts.panels[at + k * lanes] * pushed
+    return total
 
 
 @kernel(internal=True)

@@ -88,6 +88,8 @@ def factor_inverse_mass(
     ends: NDArray[np.int64],
     size: int,
     B: NDArray[np.float64],
+    head: NDArray[np.int64],
+    past: NDArray[np.int64],
     L: NDArray[np.float64],
     low: NDArray[np.float64],
     high: NDArray[np.float64],
@@ -96,7 +98,7 @@ def factor_inverse_mass(
 
     Parameters
     ----------
-    count, ends, size, B
+    count, ends, size, B, head, past
         The problem.
     L
         Out: lower triangle, row by row, stride `size`; only from the first entry of a row of B on.
@@ -108,12 +110,13 @@ def factor_inverse_mass(
     factored
         False if it couples more, or is singular.
     """
+    full = head.shape[0] == 0
     for i in range(size):
-        j = 0
+        j = 0 if full else head[i]
         while j < i and B[i, j] == 0.0:
             j += 1
         low[i] = j
-        j = size - 1
+        j = size - 1 if full else past[i] - 1
         while j > i and B[i, j] == 0.0:
             j -= 1
         high[i] = j

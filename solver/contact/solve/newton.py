@@ -22,9 +22,9 @@ from heavylift.solver.contact.laws.rows import clip
 from heavylift.solver.contact.layout import UNILATERAL, Problem, RowKind, RowParameters, Work
 from heavylift.solver.contact.solve.fallback_gauss_seidel import sweep_contacts
 from heavylift.solver.contact.solve.fallback_proximal import share_redundant, take_proximal_steps
-from heavylift.solver.contact.solve.iteration import ACCEPTED, iterate, measure
+from heavylift.solver.contact.solve.iteration import ACCEPTED, iterate, measure_rates
 from heavylift.solver.contact.solve.problem import fill_rows, prepare
-from heavylift.solver.contact.solve.system import gather, multiply
+from heavylift.solver.contact.solve.system import gather, multiply_blocks
 from heavylift.solver.kinds import Table, generic, implement
 
 __all__ = [
@@ -51,15 +51,15 @@ GROWTHS = (3.0, 10.0, 2.0, 2.0, 5.0, 0.0, 4.0, 30.0, 2.0)
 Each of them misses a few of 1000 problems with wedged contacts, but not the same ones.
 """
 
-SWEEP_WORK = 4e8
+SWEEP_WORK = 3e7
 """Products of all sweeps: a few tenths of a second."""
 
 FROM_SWEEPS = 5
 """Attempt that is made of sweeps over the contacts, and after which attempts begin with what those have left."""
 
-MOST_WORK, LEAST_ITERATIONS = 2e10, 300
-"""Iterations times the cube of the velocities after which no more attempts are made: tenths of a second; iterations at
-least.
+MOST_WORK, MOST_ROWS, LEAST_ITERATIONS = 2e10, 1e5, 100
+"""Iterations times the cube of the velocities, and times the contacts, after which no more attempts are made: tenths of
+a second; iterations at least.
 
 What has a solution is found in some hundred iterations; what has none, as a wall with targets that fit no motion, is
 given up after them. Its best impulses are kept, with their residual.
@@ -84,7 +84,8 @@ def _solve(problem: Problem) -> tuple[int, int, float]:
     fill_rows(problem, work, 0.0, work.begin)
     status = BY_NEWTON
     found, total, residual = iterate(problem, work, p, FIRST_LIMIT, ACCEPTED)
-    most, least = max(LEAST_ITERATIONS, int(MOST_WORK / float(problem.counts.size) ** 3)), np.inf
+    bound = min(MOST_WORK / float(problem.counts.size) ** 3, MOST_ROWS / float(problem.counts.number))
+    most, least = max(LEAST_ITERATIONS, int(bound)), np.inf
     for attempt in range(2):
         if not found:
             status = BY_PROXIMAL_STEPS
@@ -129,7 +130,7 @@ def _solve(problem: Problem) -> tuple[int, int, float]:
     for c in range(problem.counts.number):
         clip(problem.kinds, problem.parameters, c, p)
     gather(problem.counts.number, problem.ends, problem.blocks, problem.counts.size, p, 3, work.z)
-    multiply(problem.counts.size, problem.B, work.z, out)
+    multiply_blocks(problem.counts.size, problem.B, problem.head, problem.past, work.z, out)
     for i in range(problem.counts.size):
         out[i] += problem.start[i]
     return status, total, residual
@@ -148,7 +149,7 @@ def _keep_best(problem: Problem, work: Work, p: NDArray[np.float64], least: floa
     for c in range(problem.counts.number):
         clip(problem.kinds, problem.parameters, c, p)
     fill_rows(problem, work, 0.0, p)
-    residual = measure(problem, work, p)
+    residual = measure_rates(problem, work, p)
     if residual < least:
         for i in range(3 * problem.counts.number):
             work.rough[i] = p[i]

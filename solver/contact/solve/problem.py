@@ -15,7 +15,7 @@ from heavylift.solver.contact.solve.end_blocks import (
     write_rows,
 )
 from heavylift.solver.contact.solve.envelope import find_reach, order_bodies
-from heavylift.solver.contact.solve.system import COUPLING, SCRATCH, spread
+from heavylift.solver.contact.solve.system import COUPLING, SCRATCH, fill_gaps, spread
 from heavylift.solver.contact.solve.twelve_rows import COLUMNS
 
 __all__ = ["fill_rows", "make_work", "prepare"]
@@ -42,7 +42,10 @@ def prepare(problem: Problem, work: Work) -> None:
     if ends.shape[0] > 0:
         for i in range(COLUMNS):
             work.sums[i] = 0.0
-        unit = factor_inverse_mass(count, ends, size, problem.B, work.K, work.pivots, work.active)
+        head, past = problem.head, problem.past
+        unit = factor_inverse_mass(count, ends, size, problem.B, head, past, work.K, work.pivots, work.active)
+        if not unit:
+            fill_gaps(size, problem.B, head, past)
         write_rows(
             count,
             ends,

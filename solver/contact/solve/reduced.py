@@ -22,6 +22,7 @@ __all__ = ["assemble_reduced", "solve_reduced"]
 def assemble_reduced(contacts: ContactRows, systems: Systems, count: int) -> None:
     """Columns, blocks and matrix for the contacts that take part."""
     reduced = contacts.reduced
+    head, past = reduced.problem.head, reduced.problem.past
     for j in range(reduced.problem.counts.size):
         reduced.columns[reduced.velocities[j]] = -1
     size = 0
@@ -39,6 +40,7 @@ def assemble_reduced(contacts: ContactRows, systems: Systems, count: int) -> Non
                 for k in range(width):
                     reduced.columns[dof + k] = size + k
                     reduced.velocities[size + k] = dof + k
+                    head[size + k], past[size + k] = size, size + width
                 size += width
             reduced.ends[j, 2 * side] = reduced.columns[dof]
             panel = contacts.attachments[i].panel
@@ -46,10 +48,16 @@ def assemble_reduced(contacts: ContactRows, systems: Systems, count: int) -> Non
                 for k in range(width):
                     reduced.blocks[j, 18 * side + 6 * r + k] = contacts.panels[panel + k * lanes + r]
     reduced.problem.counts.size = size
+    for j in range(size):
+        if reduced.joined[reduced.velocities[head[j]]] > 0:
+            head[j], past[j] = 0, size
     column = contacts.column
     for j in range(size):
         dof = reduced.velocities[j]
         first = reduced.units[dof - j % 6]
+        if past[j] - head[j] < size:
+            _fill_block(contacts, j, size)
+            continue
         if first < 0 and contacts.inverse_mass[dof] == 0.0:  # its motion is prescribed
             for i in range(size):
                 reduced.matrix[i, j] = 0.0
@@ -65,6 +73,23 @@ def assemble_reduced(contacts: ContactRows, systems: Systems, count: int) -> Non
         respond(systems, column)
         for i in range(size):
             reduced.matrix[i, j] = column[reduced.velocities[i]]
+
+
+@kernel(internal=True)
+def _fill_block(contacts: ContactRows, j: int, size: int) -> None:
+    """Column of B of a body that no rows reach: its own inverse mass, and nothing of those that feel all others."""
+    reduced = contacts.reduced
+    head, past, dof = reduced.problem.head, reduced.problem.past, reduced.velocities[j]
+    first = reduced.units[dof - j % 6]
+    for i in range(0, size, 6):
+        if past[i] - head[i] == size:
+            for k in range(i, i + 6):
+                reduced.matrix[k, j] = 0.0
+    lanes, half = len(contacts.shape[1]), contacts.panels.shape[0] // 2
+    at = half + contacts.attachments[first + j % 6 // 3].panel + j % 3 if first >= 0 else 0
+    for i in range(head[j], past[j]):
+        value = contacts.inverse_mass[dof] if i == j else 0.0
+        reduced.matrix[i, j] = value if first < 0 else contacts.panels[at + (i - head[j]) * lanes]
 
 
 @kernel(internal=True)
@@ -85,7 +110,7 @@ def solve_reduced(contacts: ContactRows, count: int, velocity: NDArray[np.float6
                     reduced.found[at + k] += reduced.blocks[j, 18 * side + 6 * r + k] * w[3 * j + r]
     for i in range(size):
         total = velocity[reduced.velocities[i]]
-        for k in range(size):
+        for k in range(reduced.problem.head[i], reduced.problem.past[i]):
             total -= reduced.matrix[i, k] * reduced.found[k]
         reduced.start[i] = total
     reduced.problem.counts.number = count

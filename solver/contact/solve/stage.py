@@ -26,7 +26,7 @@ from heavylift.solver.contact.kind import (
 from heavylift.solver.contact.laws.normal_force import hunt_crossley_damping
 from heavylift.solver.contact.search.contact_kinematics import locate
 from heavylift.solver.contact.search.search_end import judge_searches, mark_failure
-from heavylift.solver.contact.solve.delassus import assemble_delassus, contact_rates, push
+from heavylift.solver.contact.solve.delassus import assemble_delassus, contact_rates, own_response, push
 from heavylift.solver.contact.solve.newton import solve_contacts
 from heavylift.solver.contact.solve.reduced import assemble_reduced, solve_reduced
 from heavylift.solver.contact.system_interface import follow
@@ -338,10 +338,7 @@ def _tell_slip(contacts: ContactRows, j: int, step: float) -> None:
 def softness_of(contacts: ContactRows, contact: int) -> float:
     """Regularisation of the rows of a contact, from what its normal row sees of its own bodies."""
     for r in range(3):
-        for i in range(contacts.column.shape[0]):
-            contacts.column[i] = 0.0
-        push(contacts, contact, r, 1.0, contacts.column)
-        found = contact_rates(contacts, contact, contacts.column)[r]
+        found = own_response(contacts, contact, r)
         if found > 0.0:
             return SOFTNESS_OF_ROWS * found
     return SOFTNESS_OF_ROWS

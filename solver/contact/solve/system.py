@@ -28,8 +28,10 @@ __all__ = [
     "add_unit_to_product",
     "assemble_rows",
     "factor",
+    "fill_gaps",
     "gather",
     "multiply",
+    "multiply_blocks",
     "solve_factored",
     "spread",
     "update",
@@ -121,6 +123,36 @@ def multiply(size: int, B: NDArray[np.float64], x: NDArray[np.float64], out: NDA
         for j in range(size):
             total += B[i, j] * x[j]
         out[i] = total
+
+
+@kernel(internal=True)
+def multiply_blocks(
+    size: int,
+    B: NDArray[np.float64],
+    head: NDArray[np.int64],
+    past: NDArray[np.int64],
+    x: NDArray[np.float64],
+    out: NDArray[np.float64],
+) -> None:
+    """``out = B x``, where a row of B has entries from `head` on up to `past`; of length 0: everywhere."""
+    if head.shape[0] == 0:
+        multiply(size, B, x, out)
+        return
+    for i in range(size):
+        total = 0.0
+        for j in range(head[i], past[i]):
+            total += B[i, j] * x[j]
+        out[i] = total
+
+
+@kernel(internal=True)
+def fill_gaps(size: int, B: NDArray[np.float64], head: NDArray[np.int64], past: NDArray[np.int64]) -> None:
+    """Write the zeros outside `head` and `past` into B, for those who read all of it."""
+    for i in range(min(size, head.shape[0])):
+        for j in range(head[i]):
+            B[i, j] = 0.0
+        for j in range(past[i], size):
+            B[i, j] = 0.0
 
 
 @kernel(internal=True)

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from heavylift.contours.triangles.surface_pack import WORTH_KEEPING
 from heavylift.numerics.derived import derived
+from heavylift.numerics.joined import joined
 
 if TYPE_CHECKING:
     from heavylift.contours.triangles.surface_pack import CollisionSurfaces
@@ -79,13 +80,9 @@ def _closed_parts(
     deforms: NDArray[np.bool_],
 ) -> ClosedParts:
     """The same of arrays; `deforms` tells of each triangle whether its surface does."""
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
     count = len(points)
     start, end = corners.ravel(), np.roll(corners, -1, axis=1).ravel()
-    graph = coo_array((np.ones(len(start)), (start, end)), shape=(count, count))
-    label = connected_components(graph, directed=False)[1]
+    label = joined(count, np.column_stack([start, end]))
     _, part = np.unique(label[corners[:, 0]], return_inverse=True)
     part = part.astype(np.int64).ravel()
     parts = int(part.max(initial=-1)) + 1

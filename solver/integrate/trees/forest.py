@@ -199,8 +199,8 @@ class LoopRow(Record):
         Range of the bodies in their trees.
     kept
         Whether it does not follow from others.
-    target, pull
-        What it wants, and the force that gives it.
+    target, pull, own, rest
+        What it wants, and the force that gives it; its part of the matrix of the rows, and of a right-hand side.
     """
 
     block: int
@@ -212,6 +212,8 @@ class LoopRow(Record):
     kept: int
     target: float
     pull: float
+    own: float
+    rest: float
 
 
 class Forest(Arrays):
@@ -421,7 +423,10 @@ def _plant(joints: Sequence[Joint], layout: Layout, kind: Any) -> Forest | None:
             "last": max(last for _, last in ranges),
         }
         rows = np.flatnonzero(system.rows[block[joint.name]].scale).tolist()
-        loops += [filled(LoopRow, **fields, row=row, kept=1, target=0.0, pull=0.0) for row in rows]
+        loops += [
+            filled(LoopRow, **fields, row=row, kept=1, target=0.0, pull=0.0, own=0.0, rest=0.0)
+            for row in rows
+        ]
     return Forest(
         bodies=made,
         poses=np.zeros(end),

@@ -122,3 +122,53 @@ def test_what_leaves_another_residual_is_searched_and_leaves_nothing(found, monk
     run_case(found, stages=("simulate",), force=("simulate",))
     assert all(kept is not None for kept in asked)
     assert same(before, histories(found))
+
+
+ON_THE_FLOOR = """
+title = "A box near the floor, which comes to rest on it"
+gravity.acceleration = [0, 0, "-9.81 m/s^2"]
+[bodies.box]
+type = "rigid"
+mass = "2 t"
+inertia = ["2 t m^2", "2 t m^2", "2 t m^2"]
+frame = { motion = "free" }
+initial.position = [0, 0, "0.51 m"]
+[[surfaces]]
+name = "floor"
+body = "ground"
+shape = { type = "plane", size = ["10 m", "10 m"] }
+[[surfaces]]
+name = "skin"
+body = "box"
+shape = { type = "box", size = ["1 m", "1 m", "1 m"] }
+[[collisions]]
+name = "landing"
+between = ["floor", "skin"]
+law = "rigid"
+friction = 0.3
+[simulate]
+step = "10 ms"
+output_interval = "50 ms"
+duration = "0.2 s"
+start = "equilibrium"
+"""
+
+
+@pytest.mark.slow
+def test_what_lies_on_the_ground_is_found_to_rest_once(tmp_path, monkeypatch):
+    (tmp_path / "case.toml").write_text(ON_THE_FLOOR)
+    case = load_case(tmp_path)
+    report = run_case(case, stages=("simulate",))
+    before = histories(case)
+    np.testing.assert_allclose(before["box.position"][:, 2], 0.5, atol=1e-6)
+
+    def search(*_arguments, **_keys):
+        raise SearchedError
+
+    monkeypatch.setattr("heavylift.solver.statics.contact_rest.settle_contacts", search)
+    again = run_case(case, stages=("simulate",), force=("simulate",))
+    assert same(before, histories(case))
+    for key in ("start", "warning"):
+        assert again.stage("simulate").details[key] == report.stage("simulate").details[key]
+    with pytest.raises(SearchedError):
+        run_case(load_case(tmp_path, ["bodies.box.mass=3 t"]), stages=("simulate",))

@@ -61,6 +61,8 @@ class ContactProblem:
             blocks=self.blocks[:0] if on_rows else self.blocks,
             start=self.N @ self.y0 if on_rows else self.y0,
             B=self.W if on_rows else self.B,
+            head=np.zeros(0, dtype=np.int64),
+            past=np.zeros(0, dtype=np.int64),
             p=np.zeros(3 * self.count),
             y=np.zeros(size),
             work=work,

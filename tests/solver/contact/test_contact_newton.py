@@ -18,7 +18,7 @@ from heavylift.solver.contact.layout import (
     INACTIVE,
     NORMAL_GIVEN,
 )
-from heavylift.solver.contact.solve.newton import FAILED
+from heavylift.solver.contact.solve.newton import FAILED, NonsmoothNewton, solve_contacts
 
 
 def points(rng, count, mu, size=None, softness=1e-3):
@@ -332,6 +332,42 @@ def test_a_wall_that_fits_no_motion_is_given_up_soon():
     assert iterations < 2000  # systems and sweeps: a second, where 4 s went by
     assert p[:, 0].min() >= 0.0
     assert np.all(np.hypot(p[:, 1], p[:, 2]) <= 0.5 * p[:, 0] * (1.0 + 1e-9))
+
+
+def test_what_is_given_up_has_the_residual_that_is_told():
+    """The best impulses of all attempts push and stay in their cones; what they violate is measured independently."""
+    problem = problems.wall(8, 6, np.random.default_rng(1), 1e-5)
+    status, iterations, residual, p, w = problem.solve()
+    assert status == FAILED
+    assert iterations < 4000  # systems and sweeps, a few tenths of a second
+    largest = max(
+        np.abs(problem.N @ problem.y0).max(), np.abs(w - (problem.N @ problem.y0).reshape(-1, 3)).max()
+    )
+    violated = problems.violation(problem, p, w) * largest / max(largest, problem.least_rate)
+    assert violated == pytest.approx(
+        residual, rel=0.5
+    )  # which adds what a contact violates along three directions
+    assert residual < 1e-3
+    assert p[:, 0].min() >= 0.0
+    assert np.all(np.hypot(p[:, 1], p[:, 2]) <= 0.5 * p[:, 0] * (1.0 + 1e-9))
+
+
+@pytest.mark.parametrize("fixed", [False, True])
+def test_of_the_inverse_mass_only_its_blocks_are_read(fixed):
+    """Free bodies feel no others: the same impulses with nothing outside their blocks; one without motion has zeros."""
+    problem = problems.stack(6, np.random.default_rng(2), 0.05)
+    if fixed:
+        problem.B[:6, :6] = 0.0
+        problem.y0[:6] = 0.0
+    _, _, _, expected, _ = problem.solve()
+    packed = problem.packed()
+    first = 6 * (np.arange(len(problem.y0)) // 6)
+    B = np.where(first[:, None] == first, packed.B, np.nan)
+    told = packed._replace(B=B, head=first, past=first + 6)
+    solve_contacts((NonsmoothNewton(),), told)
+    np.testing.assert_allclose(
+        told.p.reshape(-1, 3), expected, rtol=1e-9, atol=1e-12 * np.abs(expected).max()
+    )
 
 
 def test_rates_of_rounding_ask_for_no_impulses_of_a_size():
