@@ -100,6 +100,11 @@ def derived(result: type[T], make: Callable[..., T], *inputs: Any, rows: Sequenc
             return result(**found)
         store.refuse(name)
     made = make(*inputs)
+    unknown = {one.dtype.type for one in made if isinstance(one, np.ndarray) and one.dtype.names} - {*rows}
+    if unknown:
+        raise TypeError(
+            f"records of {unknown.pop().__name__} in a result that is kept, but not among its rows"
+        )
     if not edited_since_start((module,)):  # else what made it is not what is on the disk
         store.write(name, _encoded(made._asdict()))  # type: ignore[attr-defined]
     return made
