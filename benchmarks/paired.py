@@ -6,7 +6,7 @@ A benchmark is a script of this folder, with options in the same word: ``"work_p
 interpreters run it in turn, once to compile what is missing and then in rounds. Numbers of a row that vary from run
 to run are times: printed is the median over the rounds of new over old, with the range over the rounds, and a mark
 where all of it is beyond `TOLD`. Numbers that are the same in all rounds of each are results: they are printed where
-old and new differ. Rows are compared by their words.
+old and new differ. Rows are those with the same words before their first number, in order.
 """
 
 from __future__ import annotations
@@ -34,14 +34,17 @@ TOLD = 0.03
 NUMBER = re.compile(r"(?<![\w.-])-?\d+(?:\.\d*)?(?:e[-+]?\d+)?(?!\w)")
 
 
-def rows_of(output: str) -> dict[str, list[float]]:
-    """Numbers of each line by its words; lines with the same words are counted."""
-    rows: dict[str, list[float]] = {}
+def rows_of(output: str) -> dict[str, tuple[str, list[float]]]:
+    """Words and numbers of each line, by its words before the first number, counted: marks of times may follow."""
+    rows: dict[str, tuple[str, list[float]]] = {}
     seen: dict[str, int] = {}
     for line in output.splitlines():
-        words = " ".join(NUMBER.sub("#", line).split())
+        words = " ".join(NUMBER.split(line, maxsplit=1)[0].split())
         seen[words] = seen.get(words, 0) + 1
-        rows[f"{words} [{seen[words]}]"] = [float(text) for text in NUMBER.findall(line)]
+        rows[f"{words} [{seen[words]}]"] = (
+            " ".join(NUMBER.sub("#", line).split()),
+            [float(text) for text in NUMBER.findall(line)],
+        )
     return rows
 
 
@@ -71,12 +74,12 @@ def compared(old: list[list[float]], new: list[list[float]]) -> str:
 
 def label(words: str, rows: list[list[float]]) -> str:
     """Words of a row with the numbers that are the same in all runs: these say what it is about."""
-    columns = [set(numbers) for numbers in zip(*rows, strict=True)]
-    texts = iter(f"{min(column):g}" if len(column) == 1 else "#" for column in columns)
-    return re.sub("#", lambda _: next(texts), words.rpartition(" [")[0])
+    columns = [set(numbers) for numbers in zip(*rows, strict=False)]
+    texts = iter([f"{min(column):g}" if len(column) == 1 else "#" for column in columns])
+    return re.sub("#", lambda _: next(texts, "#"), words)
 
 
-def run(python: str, benchmark: str) -> dict[str, list[float]]:
+def run(python: str, benchmark: str) -> dict[str, tuple[str, list[float]]]:
     """Rows of a benchmark by one interpreter.
 
     Raises
@@ -104,7 +107,7 @@ def main() -> None:
     options = parser.parse_args()
     for benchmark in options.benchmark:
         print(benchmark, flush=True)
-        runs: dict[str, list[dict[str, list[float]]]] = {options.old: [], options.new: []}
+        runs: dict[str, list[dict[str, tuple[str, list[float]]]]] = {options.old: [], options.new: []}
         for number in range(options.rounds + 1):
             order = (options.old, options.new)[:: 1 if number % 2 else -1]
             for python in order:
@@ -113,11 +116,11 @@ def main() -> None:
                 if number:
                     runs[python].append(found)
         old, new = runs[options.old], runs[options.new]
-        for words in old[0]:
-            if not all(words in rows for rows in old + new):
+        for key, (words, _) in old[0].items():
+            if not all(key in rows for rows in old + new):
                 print(f"  {words}: not in all runs")
                 continue
-            before, now = [rows[words] for rows in old], [rows[words] for rows in new]
+            before, now = [rows[key][1] for rows in old], [rows[key][1] for rows in new]
             told = compared(before, now)
             if told:
                 print(f"  {label(words, before + now)}: {told}", flush=True)

@@ -33,7 +33,7 @@ from heavylift.numerics.lanes import (
 )
 from heavylift.numerics.records import Records
 
-__all__ = ["backward_blocks", "factor_blocks", "forward_blocks"]
+__all__ = ["backward_blocks", "factor_blocks", "factor_some_blocks", "forward_blocks"]
 
 
 @kernel(internal=True)
@@ -90,6 +90,82 @@ def factor_blocks(  # type: ignore[no-untyped-def]
                 subtract_products(
                     shape, blocks, target, blocks, work, blocks, below + k * width * size, width
                 )
+        column += width
+
+
+@kernel(internal=True)
+def factor_some_blocks(  # type: ignore[no-untyped-def]
+    shape,
+    columns: Records[FactorColumn],
+    lower: Records[LowerBlock],
+    updates: NDArray[np.int64],
+    blocks: NDArray[np.float64],
+    scratch: int,
+    present: NDArray[np.int64],
+) -> None:
+    """`factor_blocks` of all columns of a set whose nodes are present; blocks of others hold anything.
+
+    Notes
+    -----
+    Others within a panel couple with nothing: their blocks are set to zero, since products run over whole panels.
+    """
+    size = len(shape[0]) * len(shape[1])
+    column = 0
+    while column < columns.shape[0]:
+        width, there = 1, present[columns[column].node]
+        while columns[column + width - 1].first_update < 0:
+            there += present[columns[column + width].node]
+            width += 1
+        if there == 0:
+            column += width
+            continue
+        if there < width:
+            for m in range(column, column + width):
+                below = columns[m].first_lower
+                for l in range(below, below + columns[m].lower_count):
+                    if present[columns[m].node] == 0 or present[lower[l].node] == 0:
+                        for k in range(size):
+                            blocks[lower[l].place + k] = 0.0
+        start = columns[column].pivot
+        below = start + width * (width + 1) // 2 * size
+        count, first = columns[column + width - 1].lower_count, columns[column + width - 1].first_lower
+        for m in range(width):
+            row = start + m * (m + 1) // 2 * size
+            pivot = row + m * size
+            if present[columns[column + m].node] == 0:
+                for k in range(size):
+                    blocks[pivot + k] = 0.0
+                continue
+            if m > 0:
+                for t in range(m):
+                    at = columns[column + t].pivot
+                    scale_block(shape, blocks, scratch + t * size, blocks, row + t * size, blocks, at)
+                subtract_products(shape, blocks, pivot, blocks, scratch, blocks, row, m)
+            factor_pivot(shape, blocks, pivot)
+            for i in range(m + 1, width + count):
+                node = lower[first + i - width].node if i >= width else columns[column + i].node
+                if present[node] == 0:
+                    continue
+                other = below + (i - width) * width * size if i >= width else start + i * (i + 1) // 2 * size
+                if m > 0:
+                    subtract_products(shape, blocks, other + m * size, blocks, scratch, blocks, other, m)
+                solve_off_diagonal(shape, blocks, other + m * size, blocks, pivot)
+        update = columns[column + width - 1].first_update
+        for l in range(count):
+            if present[lower[first + l].node] == 0:
+                update += count - l
+                continue
+            row = below + l * width * size
+            for t in range(width):
+                at = columns[column + t].pivot
+                scale_block(shape, blocks, scratch + t * size, blocks, row + t * size, blocks, at)
+            for k in range(l, count):
+                target = updates[update]
+                update += 1
+                if present[lower[first + k].node] == 1:
+                    subtract_products(
+                        shape, blocks, target, blocks, scratch, blocks, below + k * width * size, width
+                    )
         column += width
 
 

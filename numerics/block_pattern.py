@@ -9,12 +9,14 @@ block is one long product: E. G. Ng and B. W. Peyton, SIAM J. Sci. Comput. 14 (1
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.classes import dataclass
-from heavylift.numerics.elimination import FactorStructure, order_nodes
+from heavylift.numerics.derived import derived
+from heavylift.numerics.elimination import LEAF, FactorStructure, order_nodes
 from heavylift.numerics.joined import joined
 from heavylift.numerics.lanes import block_shape
 from heavylift.numerics.records import Record, Records, records
@@ -175,14 +177,41 @@ def pack_blocks(
     for g, nodes in enumerate(_split(np.arange(node_count), group, group_count)):
         local[nodes] = np.arange(nodes.size)
         base = np.unique(np.asarray(last[g] if g < len(last) else (), dtype=np.int64))
-        order, structure = order_nodes(
+        inputs = (
             nodes.size,
             local[parts[g]],
-            last=local[base].tolist(),
-            coordinates=None if coordinates is None else coordinates[nodes],
+            local[base],
+            None if coordinates is None else coordinates[nodes],
         )
+        worth = nodes.size > LEAF
+        order, structure = (derived(_Ordered, _ordered, *inputs) if worth else _ordered(*inputs)).apart()
         layout.add(nodes[order], structure, nodes.size - base.size)
     return layout.finish(shape)
+
+
+class _Ordered(NamedTuple):
+    """Nodes in the order of elimination; rows below the diagonal of all columns, and where those of each begin."""
+
+    order: NDArray[np.int64]
+    below: NDArray[np.int64]
+    starts: NDArray[np.int64]
+
+    def apart(self) -> tuple[NDArray[np.int64], FactorStructure]:
+        """The order, and the rows of each column."""
+        each = np.split(self.below, self.starts[1:-1]) if self.order.size else []
+        return self.order, each
+
+
+def _ordered(
+    count: int,
+    edges: NDArray[np.int64],
+    last: NDArray[np.int64],
+    coordinates: NDArray[np.float64] | None,
+) -> _Ordered:
+    """As `order_nodes`, in arrays that can be kept: to dissect a mesh, SciPy has to be imported."""
+    order, structure = order_nodes(count, edges, last=last.tolist(), coordinates=coordinates)
+    starts = np.cumsum([0, *map(len, structure)], dtype=np.int64)
+    return _Ordered(order, np.concatenate([np.zeros(0, dtype=np.int64), *structure]), starts)
 
 
 def _split(rows: NDArray[np.int64], group: NDArray[np.int64], count: int) -> list[NDArray[np.int64]]:

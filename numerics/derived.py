@@ -10,6 +10,7 @@ damaged one, computes it. Results are arrays and numbers, read back bit for bit.
 from __future__ import annotations
 
 import contextlib
+import dataclasses
 import hashlib
 import json
 from contextvars import ContextVar
@@ -75,7 +76,7 @@ def derived(result: type[T], make: Callable[..., T], *inputs: Any, rows: Sequenc
         What it returns depends on its arguments and on the sources of its module with all that this imports at its top
         alone; of what it sees otherwise a digest is among the arguments.
     inputs
-        Its arguments: arrays, numbers, texts, None, and tuples of these.
+        Its arguments: arrays, numbers, texts, None, and tuples and dataclasses of these.
     rows
         Classes of the records in the result.
 
@@ -99,6 +100,11 @@ def derived(result: type[T], make: Callable[..., T], *inputs: Any, rows: Sequenc
             return result(**found)
         store.refuse(name)
     made = make(*inputs)
+    unknown = {one.dtype.type for one in made if isinstance(one, np.ndarray) and one.dtype.names} - {*rows}
+    if unknown:
+        raise TypeError(
+            f"records of {unknown.pop().__name__} in a result that is kept, but not among its rows"
+        )
     if not edited_since_start((module,)):  # else what made it is not what is on the disk
         store.write(name, _encoded(made._asdict()))  # type: ignore[attr-defined]
     return made
@@ -115,6 +121,9 @@ def _take_in(digest: Any, value: Any) -> None:
         digest.update(f"tuple {len(value)} ".encode())
         for one in value:
             _take_in(digest, one)
+    elif dataclasses.is_dataclass(value) and not isinstance(value, type):
+        digest.update(f"{type(value).__name__} ".encode())
+        _take_in(digest, [getattr(value, field.name) for field in dataclasses.fields(value)])
     elif value is None or isinstance(value, (bool, int, float, str, np.number, np.bool_)):
         plain = value.item() if isinstance(value, np.generic) else value
         digest.update(f"{type(plain).__name__} {plain!r} ".encode())

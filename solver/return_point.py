@@ -49,6 +49,6 @@ class ReturnPoint:
         self.index, self._spent, self._known = index, spent, True
 
     def put_back(self, arrays: Sequence[NDArray[np.float64]]) -> None:
-        """Make the state what it was."""
+        """Make the state what it was; of what there were fewer rows these, from the first one on."""
         for copy, array in zip(self._copies, arrays, strict=True):
-            np.copyto(array, copy)
+            np.copyto(array[: len(copy)], copy)

@@ -6,7 +6,7 @@ import hashlib
 import importlib
 import math
 import time as clock
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -287,9 +287,13 @@ class Simulation:
         if layout.joints or self._start_mode in AT_REST:
             self._fit_joints()
         if self.integrator == "accurate":
-            layout.systems[-1].take_start(layout.bodies, layout.systems)
-            if layout.systems[-1].loops:
-                self._choose_rows()
+            integration = layout.systems[-1]
+            integration.take_start(layout.bodies, layout.systems)
+            if integration.loops:
+                self._choose_rows(integration)
+            for forest in layout.systems[1:-1]:
+                if len(forest.loops):
+                    self._choose_rows(forest, np.unique(forest.bodies["block"]).tolist())
         if self._touches:
             from heavylift.solver.contact.check_start import start_contacts
 
@@ -376,15 +380,15 @@ class Simulation:
             if self._stiff and not self.diagnosis.redundant:
                 self._straighten()
 
-    def _choose_rows(self) -> None:
-        """Leave rows of loops out that follow from others, if a choice is known."""
+    def _choose_rows(self, holder: Any, first: Sequence[int] = ()) -> None:
+        """Leave rows of loops out that follow from others, if a choice is known; those of some blocks stay."""
         from heavylift.solver.start.independent_rows import independent_rows
         from heavylift.solver.start.rows import StartRows
 
         rows = StartRows(self._layout)
-        kept = independent_rows(rows)
+        kept = independent_rows(rows, first)
         if kept is not None:
-            self._layout.systems[-1].keep_rows(rows.places, kept)
+            holder.keep_rows(rows.places, kept)
 
     def _known_start(
         self, rows: Any, search: Callable[[], tuple[str, ...]], *words: object
@@ -561,7 +565,7 @@ class Simulation:
                 return np.empty(0), records[:0]
         heard = 0 if self.operation is None else self.operation.heard
         if heard != self._heard or self._return.is_due(self.cpu_seconds):
-            self._return.take(list(self._carried.values()), first, self.cpu_seconds)
+            self._return.take([array for array, _ in self._in_use.values()], first, self.cpu_seconds)
             self._heard = heard
         begin = clock.thread_time()
         done = self._call(first, last, every, records)
@@ -584,7 +588,10 @@ class Simulation:
         self._watch.add(records[:count])
         if self._lone is not None:
             self._lone.add(records[:count])
-        times = (first // every + 1.0 + np.arange(count, dtype=np.float64)) * every * self.step
+        begin_row = first // every + 1
+        times = np.arange(begin_row, begin_row + count, dtype=np.float64)
+        times *= every
+        times *= self.step
         return times, records[:count]
 
     def _left_range(self, records: NDArray[np.float64], number: int = 0) -> int:
@@ -689,7 +696,7 @@ class Simulation:
     def state(self) -> dict[str, NDArray[Any]]:
         """Everything that a bitwise identical continuation needs: arrays by name, copied."""
         self._start()
-        arrays = {name: array.copy() for name, array in self._carried.items()}
+        arrays = {name: array.copy() for name, (array, _) in self._in_use.items()}
         arrays["step_index"] = np.array(self.step_index, dtype=np.int64)
         arrays["cpu_seconds"] = np.array(self.cpu_seconds)
         arrays["watch"] = self._watch.state
@@ -710,6 +717,10 @@ class Simulation:
         """
         self._start()  # what is derived from the start state and not carried
         shapes = {name: array.shape for name, array in self._carried.items()}
+        for name, (_, words) in self._in_use.items():
+            length = np.size(state[name]) if words > 0 and name in state else -1
+            if 0 <= length <= shapes[name][0] and length % words == 0:
+                shapes[name] = (length,)  # the last rows were not in use
         own = self._scene_digest
         for name, shape in {
             **shapes,
@@ -729,7 +740,7 @@ class Simulation:
                     expected="the digest of these bodies" if foreign else f"an array of shape {shape}",
                 )
         for name, array in self._carried.items():
-            array[...] = state[name]
+            array[: len(state[name])] = state[name]
         self.step_index = int(state["step_index"])
         self.cpu_seconds = float(state["cpu_seconds"])
         self._watch.state = state["watch"]
@@ -742,7 +753,7 @@ class Simulation:
         self.ended = ended and self.step_index % self.record_every == 0  # it continues to its next record
         self._started = True
         self._begin_again()
-        self._return.take(list(self._carried.values()), self.step_index, self.cpu_seconds)
+        self._return.take([array for array, _ in self._in_use.values()], self.step_index, self.cpu_seconds)
 
     def _begin_again(self) -> None:
         """Forget what belongs to a state that is there no more."""
@@ -785,6 +796,16 @@ class Simulation:
         if self._views[0] is not self._layout:
             self._views = self._layout, dict(self._arrays())
         return self._views[1]
+
+    @property
+    def _in_use(self) -> dict[str, tuple[NDArray[Any], int]]:
+        """What of them is in use, and the words in a row of what there may be more of."""
+        found = {name: (array, 0) for name, array in self._carried.items()}
+        if self._touches:
+            from heavylift.solver.contact.in_use import words_in_use
+
+            found |= words_in_use(self._layout.systems[1], self._carried)
+        return found
 
     def _arrays(self) -> Iterator[tuple[str, NDArray[Any]]]:
         """Arrays that the step writes, by kind and field."""

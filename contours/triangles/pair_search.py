@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 __all__ = [
     "Box",
     "list_holds",
+    "longest_way",
     "near",
     "refresh_pairs",
     "squared_gap",
@@ -252,6 +253,20 @@ def _place_box(memory: ListMemory, motion: RelativeMotion, frames: NDArray[np.fl
                 centre += entry * memory.box.centre[k]
                 frames[end, 3 + 3 * k + i] = entry * memory.box.half[k]
             frames[end, i] = centre
+
+
+@kernel(internal=True)
+def longest_way(surfaces: CollisionSurfaces, lists: PairLists, pair: int, motion: RelativeMotion) -> float:
+    """Bound on how far points of B go in the axes of A [m]: none goes farther than a corner of the box around B."""
+    box, frame = surfaces.boxes[surfaces.surfaces[lists.table[pair].surface_b].root], lists.frames[0]
+    for i in range(3):
+        way = motion.end.origin[i] - motion.start.origin[i]
+        for k in range(3):
+            change = motion.end.rotation[3 * i + k] - motion.start.rotation[3 * i + k]
+            way += change * box.centre[k]
+            frame[3 + 3 * k + i] = change * box.half[k]
+        frame[i] = way
+    return _farthest_corner(frame)
 
 
 @kernel(internal=True)

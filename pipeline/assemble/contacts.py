@@ -69,7 +69,7 @@ def assemble_contours(
     InputError
         Of nodes that make no line or grid, of points that fold or give no smooth curve, with the key in the case file.
     """
-    from heavylift.contours.splines.checks import check_contour
+    from heavylift.contours.splines.kept import kept_check
 
     flexible: dict[str, Any] = {body.name: body for body in bodies if body.MODAL}
     found = []
@@ -88,7 +88,7 @@ def assemble_contours(
             director = _director(section, neutral, bodies)
             if neutral is not None:
                 nodes = None if body is None else body.reduced.nodes
-                check_contour(neutral, flip=getattr(section, "flip", False), nodes=nodes, source=name)
+                kept_check(neutral, flip=getattr(section, "flip", False), nodes=nodes, source=name)
         found.append(
             c.Contour(
                 name=name,
@@ -169,21 +169,14 @@ def _fit(
     name: str, section: Contour, points: NDArray[np.float64], shapes: NDArray[np.float64] | None
 ) -> NeutralContour:
     """Spline through points, shapes (k, 3) or (a, b, 3); `shapes` are their motions by the modes."""
-    from heavylift.contours.splines.neutral import neutral_curve, neutral_surface
+    from heavylift.contours.splines.kept import kept_contour
 
-    if isinstance(section, SurfaceContourSection):
-        return neutral_surface(
-            points,
-            degrees=section.degree,
-            closed=section.closed,
-            parametrisation=section.parametrisation,
-            mode_shapes=shapes,
-            source=name,
-        )
-    return neutral_curve(
+    return kept_contour(
         points,
-        degree=section.degree,
-        closed=section.closed or section.circle is not None,
+        degrees=section.degree if isinstance(section, SurfaceContourSection) else (section.degree,),
+        closed=section.closed
+        if isinstance(section, SurfaceContourSection)
+        else (section.closed or section.circle is not None,),
         parametrisation=section.parametrisation,
         mode_shapes=shapes,
         source=name,
@@ -203,11 +196,9 @@ def _fitted_to_nodes(
     # points in the case and in messages are in the coordinates of the geometry
     picked = contour_nodes(case, name, reduced.nodes + origin, folder)
     if isinstance(section, SurfaceContourSection) and picked.ndim == 1:
-        from heavylift.contours.splines.face_fit import fitted_surface
+        from heavylift.contours.splines.kept_face import kept_face
 
-        return fitted_surface(
-            reduced.nodes, picked, reduced.mode_shapes, degrees=section.degree, source=name
-        ).contour
+        return kept_face(reduced.nodes, picked, reduced.mode_shapes, degrees=section.degree, source=name)
     return _fit(name, section, reduced.nodes[picked], reduced.mode_shapes[:, picked])
 
 

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import ast
-import importlib
+import importlib.util
 import inspect
 import json
 import re
+import sys
 import textwrap
 from difflib import get_close_matches
 from functools import cache, partial
 from itertools import chain
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from pydantic.json_schema import GenerateJsonSchema
@@ -97,17 +99,40 @@ class _Described(GenerateJsonSchema):
         return found
 
 
-def _attribute_docs(section: type) -> dict[str, str]:
-    """Annotated names of a class and the docstrings below them, which may be empty."""
-    if not section.__module__.startswith("heavylift."):
+def _attribute_docs(section: type) -> Mapping[str, str]:
+    """Annotated names of a class and the docstrings below them, which may be empty.
+
+    None for a table for one type of values, made from that for any.
+    """
+    name = section.__module__
+    if not name.startswith("heavylift."):
         return {}
-    importlib.import_module(section.__module__)  # of a kind only the description may have been executed
-    try:
-        source = inspect.getsource(section)
-    except OSError:  # a table for one type of values, made from that for any
-        return {}
-    (tree,) = ast.parse(textwrap.dedent(source)).body
-    assert isinstance(tree, ast.ClassDef)
+    # of a kind only the description may have been executed: its module, with kernels, is not imported for its words
+    file = getattr(sys.modules.get(name), "__file__", None)
+    if file is None:
+        spec = importlib.util.find_spec(name)
+        file = None if spec is None else spec.origin
+    return {} if file is None else _docs_in(file).get(section.__qualname__, {})
+
+
+@cache
+def _docs_in(file: str) -> dict[str, dict[str, str]]:
+    """Docstrings of attributes by the classes of a file, by their qualified names."""
+    found: dict[str, dict[str, str]] = {}
+    waiting: list[tuple[str, ast.AST]] = [("", ast.parse(Path(file).read_text(encoding="utf-8")))]
+    while waiting:
+        outer, node = waiting.pop()
+        for part in ast.iter_child_nodes(node):
+            if isinstance(part, ast.ClassDef):
+                found[outer + part.name] = _docs_below(part)
+                waiting.append((f"{outer}{part.name}.", part))
+            elif isinstance(part, (ast.If, ast.Try, ast.With)):
+                waiting.append((outer, part))
+    return found
+
+
+def _docs_below(tree: ast.ClassDef) -> dict[str, str]:
+    """Annotated names of a class and the docstrings below them."""
     found: dict[str, str] = {}
     for field, after in zip(tree.body, [*tree.body[1:], ast.Pass()], strict=True):
         if isinstance(field, ast.AnnAssign) and isinstance(field.target, ast.Name):

@@ -52,10 +52,15 @@ def mesh_files(path: Path, root: Path) -> list[Path]:
 
 def _included_names(file: Path) -> Iterator[str]:
     """Names of files that a deck takes as its own text; one too many does no harm."""
+    data = file.read_bytes()
+    if data.isascii():
+        capitals = data.upper()
+        if b"INPUT" not in capitals and b"INCLUDE" not in capitals:
+            return  # as most decks, and it may be large
     # most files that are looked at are no decks, and the module of decks takes its time
     from heavylift.preprocess.finite_elements.abaqus_deck import INPUT_IS_DATA
 
-    text = file.read_bytes().decode("utf-8", errors="replace")
+    text = data.decode("utf-8", errors="replace")
     for match in _INCLUDES.finditer(text):
         keyword = _KEYWORD.match(text, text.rfind("\n", 0, match.start()) + 1) if match[1] else None
         if keyword is None or "".join(keyword[1].split()).upper() in {"INCLUDE", *INPUT_IS_DATA}:

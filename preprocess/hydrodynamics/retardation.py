@@ -25,11 +25,15 @@ __all__ = [
     "RetardationKernel",
     "channel_scales",
     "check_infinite_added_mass",
+    "consistent_added_mass",
     "infinite_added_mass",
     "memory_length",
     "ogilvie_deviation",
     "retardation_kernel",
 ]
+
+SERIES = 80
+"""Terms of the integral over the tail."""
 
 TAIL_LEVEL = 0.01
 """Of the largest damping of a coordinate; a tail that begins higher always gets its power from the data."""
@@ -286,6 +290,7 @@ def infinite_added_mass(
     slopes = np.diff(B, axis=0) / np.diff(x)[:, None, None]
     offsets = B[:-1] - slopes * x[:-1, None, None]
     power = 0.5 * (kernel.powers[:, None] + kernel.powers[None, :])
+    divisors = power + 1.0 + 2.0 * np.arange(SERIES)[:, None, None]
     used = np.flatnonzero((w > 0.0) & (w <= TRUSTED * w[-1]))
     estimates = np.empty((len(used), n, n))
     for row, k in enumerate(used):
@@ -295,11 +300,40 @@ def infinite_added_mass(
         odd, even = np.diff(far - near), np.diff(far + near)
         integral = np.tensordot(odd, offsets, 1) / (2.0 * w[k]) - 0.5 * np.tensordot(even, slopes, 1)
         ratio = (w[k] / x[-1]) ** 2
-        series = sum(ratio**m / (power + 1.0 + 2.0 * m) for m in range(80))  # w < 0.7 W: below 1e-20
+        powers = np.array([ratio**m for m in range(SERIES)])  # w < 0.7 W: below 1e-20
+        series = (powers[:, None, None] / divisors).sum(axis=0)
         integral -= kernel.tail / x[-1] * series
         estimates[row] = A[k] + (2.0 / np.pi) * integral
     value = np.median(estimates, axis=0)
     return value, np.median(np.abs(estimates - value), axis=0)
+
+
+def consistent_added_mass(
+    omega: NDArray[np.float64],
+    added_mass: NDArray[np.float64],
+    damping: NDArray[np.float64],
+    added_mass_infinite: NDArray[np.float64],
+    *,
+    least: ArrayLike = 0.0,
+    source: str = "",
+) -> NDArray[np.float64]:
+    """Added mass at infinite frequency by Ogilvie's relation, symmetric, shape (n, n), if that given is near to it.
+
+    Parameters
+    ----------
+    omega, added_mass, damping, added_mass_infinite, least, source
+        As of `check_infinite_added_mass`.
+
+    Raises
+    ------
+    InputError
+        As `check_infinite_added_mass`.
+    """
+    found = infinite_added_mass(omega, added_mass, damping, source=source)[0]
+    check_infinite_added_mass(
+        omega, added_mass, damping, added_mass_infinite, least=least, source=source, value=found
+    )
+    return np.asarray(0.5 * (found + found.T))
 
 
 def ogilvie_deviation(
@@ -308,13 +342,16 @@ def ogilvie_deviation(
     damping: ArrayLike,
     added_mass_infinite: ArrayLike,
     least: ArrayLike = 0.0,
+    value: NDArray[np.float64] | None = None,
 ) -> NDArray[np.float64]:
     """How far a given A_inf is from that of Ogilvie's relation, |difference_ij| / sqrt(A_ii A_jj), shape (n, n).
 
     A_ii is the largest added mass at any frequency: that of a slender hull ahead is far smaller at the infinite one.
-    It is not below `least`, shape (n,): that of a body of revolution in yaw is round-off.
+    It is not below `least`, shape (n,): that of a body of revolution in yaw is round-off. `value` is that of the
+    relation, if it is known.
     """
-    value, _ = infinite_added_mass(omega, added_mass, damping)
+    if value is None:
+        value, _ = infinite_added_mass(omega, added_mass, damping)
     given = np.asarray(added_mass_infinite, dtype=np.float64)
     largest = np.abs(np.diagonal(np.asarray(added_mass, dtype=np.float64), axis1=1, axis2=2)).max(axis=0)
     scale = np.sqrt(
@@ -333,6 +370,7 @@ def check_infinite_added_mass(
     limit: float = 0.1,
     least: ArrayLike = 0.0,
     source: str = "",
+    value: NDArray[np.float64] | None = None,
 ) -> float:
     """Refuse an added mass at infinite frequency that does not belong to the rest of a database.
 
@@ -344,7 +382,7 @@ def check_infinite_added_mass(
         Shape (n, n).
     limit
         Largest accepted deviation, as of `ogilvie_deviation`.
-    least
+    least, value
         As of `ogilvie_deviation`.
     source
         Named in errors.
@@ -364,7 +402,7 @@ def check_infinite_added_mass(
     expected = "the limit of the added mass that belongs to the damping"
     if given.shape != A.shape[1:] or not np.isfinite(given).all() or (A.any() and not given.any()):
         raise InputError("missing", source=source, key="A_inf", expected=expected)
-    deviation = ogilvie_deviation(omega, A, damping, given, least)
+    deviation = ogilvie_deviation(omega, A, damping, given, least, value)
     i, j = np.unravel_index(np.argmax(deviation), deviation.shape)
     worst = float(deviation[i, j])
     if worst > limit:

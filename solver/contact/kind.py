@@ -212,8 +212,9 @@ class ContactState(Record):
         Impulses of the last step, which start the next iteration [N s].
     middle_force
         Forces of the three rows in the middle of the last step [N].
-    new, present
-        Whether it closes at the end of this step; whether it takes part in the present stage.
+    new, near, present
+        Whether it closes at the end of this step; whether it was near at its beginning; whether it takes part in the
+        present stage.
     end_gap, second_end_gap
         Gaps at the end of this step [m]; the second one of a ring is an angle [rad].
     search, failures
@@ -280,6 +281,7 @@ class ContactState(Record):
     warm_start: Vector
     middle_force: Vector
     new: bool
+    near: bool
     present: bool
     end_gap: float
     second_end_gap: float

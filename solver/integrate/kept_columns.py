@@ -7,8 +7,8 @@ from numpy.typing import NDArray
 
 __all__ = ["KeptColumns"]
 
-MOST = 4096
-"""Rows that are kept before they have to be looked at."""
+MOST = 100_000
+"""Numbers that are kept before they have to be looked at."""
 
 
 class KeptColumns:
@@ -39,7 +39,7 @@ class KeptColumns:
     @property
     def full(self) -> bool:
         """Whether it is time to look."""
-        return self._rows >= MOST
+        return self._rows * len(self._columns) >= MOST
 
     def news(self) -> list[NDArray[np.float64]]:
         """What was added since the last call of this; it is kept all the same."""

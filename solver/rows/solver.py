@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from heavylift.numerics.block_factor import factor_blocks
+from heavylift.numerics.block_factor import factor_blocks, factor_some_blocks
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.lanes import (
     add_dot,
@@ -24,6 +24,7 @@ from heavylift.numerics.lanes import (
     subtract_rigid_rows,
 )
 from heavylift.solver.rows.structure import (
+    ABSENT,
     DIAGONAL,
     FACTORED,
     RowSystem,
@@ -31,6 +32,8 @@ from heavylift.solver.rows.structure import (
 
 __all__ = [
     "assemble",
+    "assemble_without_absent",
+    "factor_present",
     "factor_rows",
     "respond_rows",
     "smallest_pivot",
@@ -38,10 +41,40 @@ __all__ = [
     "subtract_rates",
 ]
 
+NEARLY_ABSENT = 0.1 * ABSENT
+"""Softness relative to the characteristic inverse mass from which on a row is absent."""
+
 
 @kernel(internal=True)
 def assemble(system: RowSystem) -> None:
     """``S = G A^-1 G^T + Z``; of rigid bodies from G and the inverse masses, of others from their X."""
+    for node in range(system.present.shape[0]):
+        system.present[node] = 1
+    _assemble_present(system)
+
+
+@kernel(internal=True)
+def assemble_without_absent(system: RowSystem) -> None:
+    """`assemble` without blocks whose rows are all absent and wanted to be at rest: their impulses are nothing.
+
+    What a law gives is a target however soft its row is, and stays.
+    """
+    lanes, blocks = len(system.shape[1]), system.attachments.shape[0] // 2
+    for node in range(system.present.shape[0]):
+        row = system.rows[node]
+        present = node >= blocks
+        for r in range(lanes):
+            if row.scale[r] > 0.0 and (
+                row.softness[r] < NEARLY_ABSENT * row.scale[r] or row.target[r] != 0.0
+            ):
+                present = True
+        system.present[node] = 1 if present else 0
+    _assemble_present(system)
+
+
+@kernel(internal=True)
+def _assemble_present(system: RowSystem) -> None:
+    """Blocks of the nodes that are present."""
     shape = system.shape
     rows, lanes = len(shape[0]), len(shape[1])
     for i in range(system.fill.shape[0]):
@@ -49,6 +82,8 @@ def assemble(system: RowSystem) -> None:
             system.blocks[system.fill[i] + r] = 0.0
     for i in range(system.pairs.shape[0]):
         product = system.pairs[i]
+        if system.present[product.early] + system.present[product.late] < 2:
+            continue
         place, left, right = product.place, product.left, product.right
         dof = product.dof
         if dof < 0:
@@ -88,6 +123,8 @@ def assemble(system: RowSystem) -> None:
                 dof,
             )
     for j in range(system.columns.shape[0]):
+        if system.present[system.columns[j].node] == 0:
+            continue
         softness = system.rows[system.columns[j].node].softness
         pivot = system.columns[j].pivot
         for r in range(rows):
@@ -103,6 +140,8 @@ def _assemble_hubs(system: RowSystem) -> None:
     for i in range(system.hubs.shape[0]):
         hub = system.hubs[i]
         place, first, later = hub.place, hub.first, hub.later
+        if system.present[hub.node] == 0:
+            continue
         for k in range(6):
             if later < 0:
                 system.blocks[place + k * (lanes + 1)] = -1.0 / system.inverse_mass[first + k]
@@ -117,15 +156,31 @@ def _assemble_hubs(system: RowSystem) -> None:
 
 @kernel(internal=True)
 def factor_rows(system: RowSystem) -> None:
-    """Block factorisation ``S = L D L^T``."""
+    """Block factorisation ``S = L D L^T`` of all nodes."""
     columns = system.columns.shape[0]
     factor_blocks(system.shape, system.columns, system.updates, system.blocks, 0, 0, columns, system.scratch)
+
+
+@kernel(internal=True)
+def factor_present(system: RowSystem) -> None:
+    """`factor_rows` of the nodes that are present."""
+    factor_some_blocks(
+        system.shape,
+        system.columns,
+        system.lower,
+        system.updates,
+        system.blocks,
+        system.scratch,
+        system.present,
+    )
 
 
 @kernel(inline=True, internal=True)
 def subtract_rates(system: RowSystem, velocity: NDArray[np.float64]) -> None:
     """``SOLUTION -= G U`` of all rows."""
     for i in range(system.attachments.shape[0]):
+        if system.present[system.attachments[i].owner] == 0:
+            continue
         out = system.rows[system.attachments[i].owner].solution
         dof, width, panel = (
             system.attachments[i].dof,
@@ -143,13 +198,19 @@ def _substitute(system: RowSystem) -> None:
     """``SOLUTION := S^-1 SOLUTION``, forwards and backwards."""
     shape, rows = system.shape, system.rows
     for j in range(system.columns.shape[0]):
+        if system.present[system.columns[j].node] == 0:
+            continue
         z = rows[system.columns[j].node].solution
         first, count = system.columns[j].first_lower, system.columns[j].lower_count
         forward_pivot(shape, z, 0, system.blocks, system.columns[j].pivot)
         for l in range(first, first + count):
+            if system.present[system.lower[l].node] == 0:
+                continue
             other = rows[system.lower[l].node].solution
             subtract_forward(shape, other, 0, system.blocks, system.lower[l].place, z, 0)
     for j in range(system.columns.shape[0] - 1, -1, -1):
+        if system.present[system.columns[j].node] == 0:
+            continue
         z = rows[system.columns[j].node].solution
         pivot, first, count = (
             system.columns[j].pivot,
@@ -157,6 +218,8 @@ def _substitute(system: RowSystem) -> None:
             system.columns[j].lower_count,
         )
         for l in range(first, first + count):
+            if system.present[system.lower[l].node] == 0:
+                continue
             other = rows[system.lower[l].node].solution
             subtract_backward(
                 shape, z, 0, system.blocks, system.lower[l].place, system.blocks, pivot, other, 0
@@ -173,6 +236,8 @@ def _spread(system: RowSystem, velocity: NDArray[np.float64]) -> None:
     for i in range(system.attachments.shape[0]):
         holder = system.attachments[i].holder
         if holder != DIAGONAL and holder != FACTORED:  # noqa: PLR1714  a set costs time here
+            continue
+        if system.present[system.attachments[i].owner] == 0:
             continue
         dof, count, panel = (
             system.attachments[i].dof,
@@ -202,8 +267,9 @@ def solve_rows(system: RowSystem, velocity: NDArray[np.float64]) -> None:
     lanes = len(system.shape[1])
     for node in range(system.columns.shape[0]):
         row = system.rows[node]
+        there = float(system.present[node])
         for r in range(lanes):
-            row.solution[r] = row.target[r] - row.softness[r] * row.impulse[r]
+            row.solution[r] = there * (row.target[r] - row.softness[r] * row.impulse[r])
     subtract_rates(system, velocity)
     _substitute(system)
     for node in range(system.attachments.shape[0] // 2):
@@ -252,6 +318,8 @@ def smallest_pivot(system: RowSystem) -> float:
         for r in range(rows):
             inverse = system.blocks[system.columns[j].pivot + r * (lanes + 1)]
             scale = system.rows[node].scale[r]
-            if scale > 0.0:  # not padding
+            if scale > 0.0 and system.present[node] == 0:
+                smallest = min(smallest, ABSENT)
+            elif scale > 0.0:  # not padding
                 smallest = min(smallest, 1.0 / (inverse * scale))
     return smallest

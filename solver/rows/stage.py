@@ -47,6 +47,8 @@ from heavylift.solver.ringing import alternating_slope, carried_force, kept_shar
 from heavylift.solver.rows.impulses import add_impulses, add_reactions
 from heavylift.solver.rows.solver import (
     assemble,
+    assemble_without_absent,
+    factor_present,
     factor_rows,
     respond_rows,
     smallest_pivot,
@@ -274,8 +276,8 @@ def solve_end_rows(
             way = row.residual[r] - row.solution[r]  # against what drives prescribe
             row.loss[r] += row.stiffness[r] * row.relaxation[r] * way * way / step
     apply_inverse(bodies, False, system)
-    assemble(system)
-    factor_rows(system)
+    assemble_without_absent(system)
+    factor_present(system)
     solve_rows(system, work.velocity)
 
 

@@ -153,6 +153,8 @@ class Product(Record):
         In the blocks.
     left, right
         Places of the panel of the earlier (of X, for bodies with a factor of their own) and of the later side.
+    early, late
+        Nodes of the sides.
     side, dof
         The later side, which knows the velocities to sum over; first velocity of a rigid body, or -1.
     first
@@ -162,6 +164,8 @@ class Product(Record):
     place: int
     left: int
     right: int
+    early: int
+    late: int
     side: int
     dof: int
     first: bool
@@ -233,6 +237,8 @@ class RowSystem(RowArrays):
         Each with the attachments on it behind it.
     blocks
         Blocks of the factor and of its scratch, flat.
+    present
+        1 of each node that the last factor has, 0 of those whose rows were all absent in it.
     monitor
         Record column of the largest violation; smallest pivot and largest drift of a law follow it.
     laws
@@ -253,6 +259,7 @@ class RowSystem(RowArrays):
     fill: Ints1
     hubs: Records[Hub]
     blocks: Floats1
+    present: Ints1
     monitor: int
     laws: bool = False
 
@@ -402,6 +409,7 @@ def pack_rows(
         hubs=records(Hub, hubs),
         panels=np.zeros(2 * half),
         blocks=np.zeros(pattern.size),
+        present=np.ones(node_count, dtype=np.int64),
         rows=row_data,
         inverse_mass=np.ascontiguousarray(inverse_mass, dtype=np.float64),
         monitor=monitor,
@@ -423,6 +431,8 @@ def _assembly(
                 place=place,
                 left=attachments[early].panel + (0 if rigid else half),
                 right=attachments[late].panel,
+                early=attachments[early].owner,
+                late=attachments[late].owner,
                 side=late,
                 dof=attachments[early].dof if rigid else -1,
                 first=rigid and place not in started,

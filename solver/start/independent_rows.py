@@ -32,13 +32,15 @@ LARGEST = 800
 """Free velocities up to which rows are chosen, by dense matrices: about a second."""
 
 
-def independent_rows(rows: StartRows) -> NDArray[np.bool_] | None:
+def independent_rows(rows: StartRows, first: Sequence[int] = ()) -> NDArray[np.bool_] | None:
     """Rows to keep, the best conditioned ones first; None where no choice is known to hold.
 
     Parameters
     ----------
     rows
         The scene in a closed position, in which all rows are rigid; it is displaced and put back.
+    first
+        Blocks whose rows are all kept, being independent of each other.
 
     Returns
     -------
@@ -52,7 +54,7 @@ def independent_rows(rows: StartRows) -> NDArray[np.bool_] | None:
     scaled, lengths = scale_rows(rows)
     graph, _ = joint_graph(rows, scaled)
     if not graph.cores:
-        return _kept(scaled, graph)
+        return _kept(scaled, graph, first)
     ranks = [rank_of(*core_part(scaled, core), scaled.tolerance) for core in graph.cores]
     near = move_nearby(rows, scaled, lengths, graph, ranks, LARGEST)
     if (
@@ -62,10 +64,10 @@ def independent_rows(rows: StartRows) -> NDArray[np.bool_] | None:
         or any(there < here for there, here in zip(near.ranks, ranks, strict=True))
     ):
         return None
-    return _kept(near.scaled, graph)
+    return _kept(near.scaled, graph, first)
 
 
-def _kept(scaled: ScaledRows, graph: BodyGraph) -> NDArray[np.bool_]:
+def _kept(scaled: ScaledRows, graph: BodyGraph, first: Sequence[int]) -> NDArray[np.bool_]:
     """Rows that are independent in a position, each core and each bridge by itself."""
     from scipy.linalg import qr
 
@@ -76,6 +78,13 @@ def _kept(scaled: ScaledRows, graph: BodyGraph) -> NDArray[np.bool_]:
     parts += [([block for pair in core.pairs for block in pair.blocks], core.bodies) for core in graph.cores]
     for blocks, bodies in parts:
         own, dense = scaled.rows(blocks), scaled.dense(blocks, bodies)
+        early = np.isin(scaled.block[own], list(first))
+        if early.any():
+            kept[own[early]] = True
+            spanned = np.linalg.qr(dense[early].T)[0]
+            own, dense = own[~early], dense[~early] - dense[~early] @ spanned @ spanned.T
+        if not own.size:
+            continue
         _, R, order = qr(dense.T, mode="economic", pivoting=True)
         kept[own[order[: np.count_nonzero(np.abs(np.diag(R)) > scaled.tolerance)]]] = True
     return kept

@@ -191,10 +191,27 @@ def tipping_angles(stand: SupportStatics, loads: NDArray[np.float64]) -> Tipping
 
 
 def _hull(points: NDArray[np.float64]) -> list[int]:
-    """Numbers of the corners of the convex hull of points in the plane, anticlockwise."""
-    from scipy.spatial import ConvexHull
+    """Numbers of the corners of the convex hull of points in the plane, anticlockwise.
 
-    return [int(number) for number in ConvexHull(points).vertices]
+    Notes
+    -----
+    A. M. Andrew, "Another efficient algorithm for convex hulls in two dimensions", Information Processing Letters 9
+    (1979).
+    """
+    order = [int(number) for number in np.lexsort((points[:, 1], points[:, 0]))]
+
+    def half(numbers: list[int]) -> list[int]:
+        found: list[int] = []
+        for number in numbers:
+            while len(found) > 1:
+                a, b = points[found[-1]] - points[found[-2]], points[number] - points[found[-2]]
+                if a[0] * b[1] - a[1] * b[0] > 0.0:
+                    break
+                found.pop()
+            found.append(number)
+        return found[:-1]
+
+    return half(order) + half(order[::-1])
 
 
 def refuse_unstable(stand: SupportStatics) -> None:

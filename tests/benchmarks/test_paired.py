@@ -15,10 +15,11 @@ with pytest.MonkeyPatch.context() as patch:
 def test_rows_are_named_by_their_words_and_counted():
     rows = p.rows_of("A02-1 5 modes  1.5 us/step <=2e-3\n2 sticks -1 us\n3 sticks 4 us\n")
     assert rows == {
-        "A02-1 # modes # us/step <=# [1]": [5.0, 1.5, 2e-3],
-        "# sticks # us [1]": [2.0, -1.0],
-        "# sticks # us [2]": [3.0, 4.0],
+        "A02-1 [1]": ("A02-1 # modes # us/step <=#", [5.0, 1.5, 2e-3]),
+        " [1]": ("# sticks # us", [2.0, -1.0]),
+        " [2]": ("# sticks # us", [3.0, 4.0]),
     }
+    assert p.rows_of("A03 4.2! / 3.0 dele2").keys() == p.rows_of("A03 2.9 / 3.0 accurate").keys()
 
 
 def test_times_are_ratios_and_results_are_told_where_they_differ():
@@ -30,4 +31,4 @@ def test_times_are_ratios_and_results_are_told_where_they_differ():
     assert p.compared(old, noisy) == "1.000 (0.90..1.10)"
     other = [[5.0, 2.0, 2e-9], [5.0, 4.0, 2e-9], [5.0, 3.0, 2e-9]]
     assert p.compared(old, other).endswith("1e-09 is 2e-09")
-    assert p.label("# modes # us <=# [2]", old + other) == "5 modes # us <=#"
+    assert p.label("# modes # us <=#", old + other) == "5 modes # us <=#"

@@ -5,10 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from heavylift.numerics import block_pattern
 from heavylift.numerics.block_pattern import (
     BlockPattern,
     pack_blocks,
 )
+from heavylift.numerics.derived import keeping
 
 RNG = np.random.default_rng(8)
 COUNT, ROWS = 70, 6
@@ -119,3 +121,22 @@ def test_missing_blocks_and_mixed_groups_are_refused():
         pack_blocks(5, chain, ROWS, groups=np.array([0, 0, 1, 1, 1]))
     with pytest.raises(ValueError, match="do not all belong to group 1"):
         pack_blocks(5, chain, ROWS, last=([], [0]))
+
+
+def test_an_order_that_is_kept_gives_the_same_tables(monkeypatch):
+    kept: dict[str, bytes] = {}
+
+    class Memory:
+        versions = "1"
+        read, write, refuse = kept.get, kept.__setitem__, kept.pop
+
+    edges = RNG.integers(0, COUNT, size=(150, 2))
+    alone = pack_blocks(COUNT, edges, ROWS, groups=np.zeros(COUNT, dtype=np.int64))
+    with keeping(Memory()):
+        first = pack_blocks(COUNT, edges, ROWS, groups=np.zeros(COUNT, dtype=np.int64))
+        assert kept
+        monkeypatch.setattr(block_pattern, "order_nodes", None)
+        second = pack_blocks(COUNT, edges, ROWS, groups=np.zeros(COUNT, dtype=np.int64))
+    for one in (first, second):
+        for name in ("columns", "lower"):
+            np.testing.assert_array_equal(getattr(one, name), getattr(alone, name))

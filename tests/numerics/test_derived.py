@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -109,22 +110,22 @@ def test_every_input_counts():
     store = Memory()
     with keeping(store):
         for given in inputs:
-            derived(Made, make, *given)
+            derived(Made, make, *given, rows=(Edge,))
     assert len(CALLS) == len(store.files) == len(inputs)
 
 
 def test_other_sources_and_versions_are_other_results(monkeypatch: pytest.MonkeyPatch):
     store = Memory()
     with keeping(store):
-        derived(Made, make, POINTS)
+        derived(Made, make, POINTS, rows=(Edge,))
         store.versions = "numpy 3"
-        derived(Made, make, POINTS)
+        derived(Made, make, POINTS, rows=(Edge,))
         monkeypatch.setattr(module, "closure_digest", lambda _: "edited")
-        derived(Made, make, POINTS)
+        derived(Made, make, POINTS, rows=(Edge,))
         assert len(CALLS) == 3
         monkeypatch.setattr(module, "edited_since_start", lambda _: True)
         store.versions = "numpy 4"
-        derived(Made, make, POINTS)
+        derived(Made, make, POINTS, rows=(Edge,))
     assert len(store.files) == 3  # what was imported before an edit is not kept under its name
 
 
@@ -152,5 +153,21 @@ def test_what_cannot_be_kept_is_a_mistake_of_the_caller():
             derived(Made, make, POINTS, {})
         with pytest.raises(TypeError, match="objects among the arguments"):
             derived(Made, make, np.array([None]))
+        with pytest.raises(TypeError, match="records of Edge"):
+            derived(Made, make, POINTS)
         with pytest.raises(TypeError, match="objects in a result"):
             derived(Made, make_object, POINTS)
+
+
+@dataclass(frozen=True)
+class Sea:
+    omega: np.ndarray
+    depth: float
+
+
+def test_a_dataclass_counts_by_its_fields():
+    store = Memory()
+    with keeping(store):
+        for depth in (10.0, 10.0, 20.0):
+            derived(Made, make, POINTS, (Sea(POINTS, depth),), rows=(Edge,))
+    assert len(CALLS) == 2

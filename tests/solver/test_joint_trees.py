@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
 from heavylift.numerics.outcome import Outcome
@@ -17,7 +18,7 @@ from heavylift.solver.joints.hinge import Hinge
 from heavylift.solver.joints.slider import Slider
 from heavylift.solver.joints.slider_hinge import Cylindrical
 from heavylift.solver.scene.connections import GROUND, Joint, JointFrame
-from heavylift.solver.scene.scene import Gravity, RigidBody, Scene, Sensor
+from heavylift.solver.scene.scene import Fixed, Gravity, RigidBody, Scene, Sensor
 from heavylift.solver.simulation import Simulation
 
 GRAVITY = np.array([0.0, -3.0, -9.0])
@@ -57,22 +58,31 @@ def hang(kind: type[Joint], above: Pose, a: JointFrame, b: JointFrame, rng: np.r
 
 
 def drawn_scene(
-    seed: int, count: int, *, floating: bool, types: tuple[type[Joint], ...] = TYPES, loops: int = 0
+    seed: int,
+    count: int,
+    *,
+    floating: bool,
+    types: tuple[type[Joint], ...] = TYPES,
+    loops: int = 0,
+    at_centre: bool = False,
 ) -> Scene:
     """A tree of bodies on joints of all types, with springs and forces; every second joint is told from below.
 
-    Ball joints between its last bodies and the first one close loops where they stand.
+    Ball joints between its last bodies and the first one close loops where they stand. The last body may hang at its
+    centre of mass.
     """
     rng = np.random.default_rng(seed)
     poses: list[Pose] = []
     bodies, joints = [], []
     for i in range(count):
-        name = f"body_{i}"
+        name, centre = f"body_{i}", rng.normal(size=3)
         if i == 0 and floating:
             poses.append((Rotation.random(rng=rng).as_matrix(), *rng.normal(size=(3, 3))))
         else:
             above = int(rng.integers(i)) if i else -1
             a, b, kind = drawn_frame(rng), drawn_frame(rng), types[i % len(types)]
+            if at_centre and i == count - 1:
+                b = JointFrame(centre, b.axes)
             pose = hang(kind, poses[above] if i else HELD, a, b, rng)
             on = f"body_{above}" if i else GROUND
             names = {"body_a": on, "body_b": name, "frame_a": a, "frame_b": b}
@@ -88,7 +98,7 @@ def drawn_scene(
                 name,
                 rng.uniform(0.5, 5.0),
                 np.trace(J @ J.T) * np.eye(3) - J @ J.T,
-                rng.normal(size=3),
+                centre,
                 position=x,
                 orientation=Rotation.from_matrix(R).as_quat(scalar_first=True),
                 velocity=v,
@@ -143,10 +153,46 @@ def test_trees_move_as_rows_hold_them(floating: bool, monkeypatch: pytest.Monkey
     assert_same(drawn_scene(5 + floating, 12, floating=floating), 6, 2e-8, monkeypatch)
 
 
+@pytest.mark.parametrize("types", [(Hinge, Slider, Ball), (Hinge, Distance, Distance)])
+def test_a_body_may_hang_at_its_centre(
+    types: tuple[type[Joint], ...], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Its turning is then that of a body alone."""
+    assert_same(drawn_scene(7, 6, floating=False, types=types, at_centre=True), 4, 2e-8, monkeypatch)
+
+
 def test_other_joints_hold_trees_together(monkeypatch: pytest.MonkeyPatch) -> None:
     """Two loops that ball joints close, and a joint that no tree has; rows are as many as it takes."""
     types = (Hinge, Ball, Cylindrical, Hinge, Slider)
     assert_same(drawn_scene(9, 8, floating=False, types=types, loops=2), 4, 1e-7, monkeypatch)
+
+
+def test_trees_stand_on_bodies_that_are_held(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The held body feels what its joints carry; one of them is told from the tree's side."""
+    rng = np.random.default_rng(2)
+    turn, place = Rotation.random(rng=rng), rng.normal(size=3)
+    held: Pose = (turn.as_matrix(), place, np.zeros(3), np.zeros(3))
+    bodies = [
+        RigidBody(
+            "base", 3.0, np.diag([1.0, 2.0, 2.5]), rng.normal(size=3), position=place,
+            orientation=turn.as_quat(scalar_first=True), motion=Fixed(),
+        )
+    ]  # fmt: skip
+    joints = []
+    for i, kind in enumerate((Hinge, Slider, Distance)):
+        a, b = drawn_frame(rng), drawn_frame(rng)
+        R, x, v, w = hang(kind, held, a, b, rng)
+        bodies.append(
+            RigidBody(
+                f"body_{i}", 1.0, np.diag([0.2, 0.3, 0.4]), rng.normal(size=3), position=x,
+                orientation=Rotation.from_matrix(R).as_quat(scalar_first=True), velocity=v, angular_velocity=R.T @ w,
+            )
+        )  # fmt: skip
+        names = {"body_a": "base", "body_b": f"body_{i}", "frame_a": a, "frame_b": b}
+        if kind is Slider:
+            names = {"body_a": f"body_{i}", "body_b": "base", "frame_a": b, "frame_b": a}
+        joints.append(kind(name=f"joint_{i}", **names))
+    assert_same(Scene(tuple(bodies), (Gravity(GRAVITY),), (), tuple(joints)), 4, 2e-8, monkeypatch)
 
 
 @pytest.mark.parametrize("loops", [0, 1])
@@ -201,3 +247,48 @@ def test_a_chain_of_two_thousand() -> None:
     column = {channel.name: channel.column for channel in simulation.channels}
     assert np.ptp(records[:, column["energy.balance"]]) < 1e-6 * records[-1, column["energy.kinetic"]]
     assert records[:, column["monitor.violation"]].max() < 1e-9
+
+
+def test_a_mechanism_may_start_where_its_rows_depend_on_each_other(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A parallel four-bar that lies flat and is turned: there a row more follows from others than anywhere else."""
+
+    def rod(name: str, middle: tuple[float, ...], velocity: float, spin: float) -> RigidBody:
+        inertia = np.diag([0.01, 1 / 12, 1 / 12])
+        moving = {"velocity": np.array([0.0, velocity, 0.0]), "angular_velocity": np.array([0.0, 0.0, spin])}
+        return RigidBody(name, 1.0, inertia, position=np.array(middle), **moving)
+
+    def pin(name: str, a: str, b: str, at_a: float, at_b: float) -> Hinge:
+        frames = {
+            "frame_a": JointFrame(np.array([at_a, 0.0, 0.0])),
+            "frame_b": JointFrame(np.array([at_b, 0.0, 0.0])),
+        }
+        return Hinge(name=name, body_a=a, body_b=b, **frames)
+
+    rods = (
+        rod("left", (0.5, 0.0, 0.0), 0.5, 1.0),
+        rod("over", (2.0, 0.0, 0.0), 1.0, 0.0),
+        rod("right", (2.5, 0.0, 0.0), 0.5, 1.0),
+    )
+    pins = (
+        pin("a", GROUND, "left", 0.0, -0.5),
+        pin("b", "left", "over", 0.5, -1.0),
+        pin("c", "over", "right", 1.0, 0.5),
+        pin("d", GROUND, "right", 2.0, -0.5),
+    )
+    gravity = Gravity(np.array([0.0, -9.81, 0.0]))
+    simulation = simulate(Scene(rods, (gravity,), (), pins), True, monkeypatch, 1e-8)
+    records = np.vstack([simulation.record(), simulation.advance(40)[1]])
+    assert simulation.outcome is Outcome.COMPLETED, simulation.message
+    channels = {channel.name: channel for channel in simulation.channels}
+
+    def rates(_: float, y: np.ndarray) -> list[float]:
+        """Two cranks of 1/3 kg m2, with a rod of 1 kg that moves along a circle of 1 m."""
+        return [y[1], -9.81 * 2.0 * np.cos(y[0]) / (5.0 / 3.0)]
+
+    times = 0.05 * np.arange(41)
+    exact = solve_ivp(rates, (0.0, 2.0), [0.0, 1.0], t_eval=times, rtol=1e-11, atol=1e-12, method="DOP853").y[
+        0
+    ]
+    place = channels["over.position"].column
+    middle = np.stack([1.0 + np.cos(exact), np.sin(exact)], axis=1)
+    assert np.abs(records[:, place : place + 2] - middle).max() < 1e-5

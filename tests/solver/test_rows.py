@@ -6,8 +6,16 @@ import numpy as np
 import pytest
 
 from heavylift.numerics.jit import kernel
-from heavylift.solver.rows.solver import assemble, factor_rows, smallest_pivot, solve_rows
+from heavylift.solver.rows.solver import (
+    assemble,
+    assemble_without_absent,
+    factor_present,
+    factor_rows,
+    smallest_pivot,
+    solve_rows,
+)
 from heavylift.solver.rows.structure import (
+    ABSENT,
     DIAGONAL,
     PRESCRIBED,
     Attachment,
@@ -21,6 +29,13 @@ GROUND = -1
 def solve(system, velocity):
     assemble(system)
     factor_rows(system)
+    solve_rows(system, velocity)
+
+
+@kernel
+def solve_present(system, velocity):
+    assemble_without_absent(system)
+    factor_present(system)
     solve_rows(system, velocity)
 
 
@@ -96,6 +111,37 @@ def test_solution_is_that_of_the_dense_system(name, held, sizes):
     expected = np.linalg.solve(G @ W @ G.T + np.diag(Z), target - G @ velocity)
     np.testing.assert_allclose(impulses(system, counts), expected, rtol=1e-9, atol=1e-9)
     np.testing.assert_allclose(moved, velocity + W @ G.T @ expected, rtol=1e-9, atol=1e-9)
+
+
+@pytest.mark.parametrize("name", SCENES)
+@pytest.mark.parametrize("share", [0.4, 1.0])
+def test_absent_blocks_are_left_out_whatever_stands_in_their_place(name, share):
+    rng = np.random.default_rng(len(name))
+    edges = SCENES[name]
+    counts = [int(n) for n in rng.choice((1, 3, 5, 6), size=len(edges))]
+    system, G, W, Z, target = packed(edges, counts, 1 + max(max(pair) for pair in edges), rng)
+    absent = rng.random(len(edges)) < share
+    gone = np.repeat(absent, counts)
+    for block in np.flatnonzero(absent):
+        n = counts[block]
+        system.rows[block].softness[:n] = ABSENT
+        system.rows[block].target[:n] = 0.0
+    given = int(np.flatnonzero(absent)[0])  # a law that gives a force, however soft its row is, is not absent
+    system.rows[given].target[0] = 0.5 * ABSENT
+    Z[gone], target[gone] = ABSENT, 0.0
+    target[sum(counts[:given])] = 0.5 * ABSENT
+    velocity = rng.normal(size=len(W))
+    moved = velocity.copy()
+    system.blocks[:] = rng.normal(size=len(system.blocks))
+    solve_present(system, moved)
+
+    scale = 1.0 / np.sqrt(Z)
+    right = scale * (target - G @ velocity)
+    expected = scale * np.linalg.solve(scale[:, None] * (G @ W @ G.T + np.diag(Z)) * scale, right)
+    np.testing.assert_allclose(impulses(system, counts), expected, rtol=1e-9, atol=1e-9)
+    np.testing.assert_allclose(moved, velocity + W @ G.T @ expected, rtol=1e-9, atol=1e-9)
+    assert np.count_nonzero(system.present[: len(edges)]) == np.count_nonzero(~absent) + 1
+    assert pivot_of(system) > 0.0
 
 
 def test_a_second_solve_corrects_for_other_velocities():

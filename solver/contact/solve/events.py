@@ -35,7 +35,7 @@ MOST_EVENTS = 20
 TRIALS, TRIALS_OF_EACH = 400, 10
 """Of times of impacts within a whole step: of all, and more for each contact."""
 
-MOST_EFFORT = 2e5
+MOST_EFFORT = 4e5
 """Contacts times iterations of their solver, after which a whole step has no more trials: tenths of a second."""
 
 SEARCH_EFFORT = 5
@@ -192,9 +192,15 @@ def end_contact_rows(
 
 @kernel(internal=True)
 def _repeat_with_found(contacts: ContactRows, work: Workspace, step: float) -> None:
-    """What came in and had no row, because nothing had been near before, has one when the step is tried again."""
-    for c in range(contacts.control.known, contact_count(contacts)):
+    """What came in and had no row, because nothing had been near before, has one when the step is tried again.
+
+    So has what was near, but not so near that its surfaces could have met as they moved before.
+    """
+    for c in range(contacts.counts.of_contours, contact_count(contacts)):
         early = looks_ahead(contacts, c) or contacts.table[c].law == COMPLIANT
+        if c < contacts.control.known:
+            early = contacts.table[c].law == RIGID and not contacts.table[c].events
+            early = early and not contacts.state[c].near
         if early and contacts.state[c].hit > 0:
             rate = contact_rates(contacts, c, work.velocity)[0]
             inside = contacts.state[c].end_gap < -gap_tolerance(contacts, c, rate)

@@ -47,8 +47,11 @@ REFINED = 1e-8
 """A correction smaller than this part of the impulses is the last one: the next is smaller by a factor like that."""
 
 NO_GAIN = 1e-13
-"""Residual below which a correction that gains nothing is taken for rounding, relative as above; impulses to begin with
-are a solution from there on. At ACCEPTED they would cost what stands a thousand times its energy drift."""
+"""Residual below which a correction that gains nothing is taken for rounding, relative as above."""
+
+AT_REST = 1e-12
+"""Residual of impulses to begin with, below which they are a solution, relative as above. At ACCEPTED they would cost
+what stands a thousand times its energy drift."""
 
 REFINEMENTS = 6
 """Most corrections of an accepted solution."""
@@ -275,7 +278,7 @@ def iterate(
     while True:
         residual, scale, _ = _evaluate(problem, work, p)
         relative = residual / scale if scale > 0.0 else residual
-        at_rest = iteration == 0 and relative < NO_GAIN
+        at_rest = iteration == 0 and relative < AT_REST
         if relative <= accepted and (accepted > ACCEPTED or step <= REFINED or at_rest):
             return True, iteration, relative
         if relative <= accepted and relative < best:

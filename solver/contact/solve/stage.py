@@ -102,11 +102,14 @@ def looks_ahead(contacts: ContactRows, c: int) -> bool:
 def _passes_by(contacts: ContactRows, c: int) -> bool:
     """Whether features that are apart will be beside each other when their gap closes, or never close it.
 
-    Gap and distance beside them continue through the step as they have changed up to its predicted middle.
+    Gap and distance beside them continue through the step as they have changed up to its predicted middle. Where steps
+    are not split, what has met without a row when the step was tried before does not pass by.
     """
     state = contacts.state[c]
     gap, beside = state.gap, state.start_beside
     if contacts.table[c].shape_kind != TRIANGLES or state.closed or not gap > 0.0:
+        return False
+    if state.hit > 0 and contacts.table[c].law == RIGID and not contacts.table[c].events:
         return False
     end = 2.0 * state.end_gap - gap
     share = min(gap / (gap - end), 1.0) if end < gap else 1.0
@@ -139,8 +142,8 @@ def solve_contact_midpoint(
             impulse[r] = 0.0
         state.present = False
         early = contacts.table[c].law == COMPLIANT or looks_ahead(contacts, c)
-        near = early and state.sleep <= NEAR * state.shift
-        if near or state.closed:
+        state.near = state.closed or (early and state.sleep <= NEAR * state.shift)
+        if state.near:
             contacts.present[count] = c
             state.present = True
             count += 1

@@ -17,7 +17,7 @@ from heavylift.solver.contact.counts import contact_count
 from heavylift.solver.contact.kind import COMPLIANT, RIGID, ContactRows
 from heavylift.solver.contact.solve.delassus import contact_rates
 from heavylift.solver.contact.triangles.facets import refit_facets
-from heavylift.solver.contact.triangles.feature_search import find_features
+from heavylift.solver.contact.triangles.feature_search import find_features, way_of
 from heavylift.solver.contact.triangles.interface import search_surfaces
 from heavylift.solver.contact.triangles.kind import SurfacePairs, placed_pose
 from heavylift.solver.contact.triangles.load_transfer import book_jump, goes_on, turn_memory
@@ -55,6 +55,10 @@ __all__: list[str] = []
 
 AHEAD = 4.0
 """Motions of a step within which the next one needs a contact."""
+
+ALONE = 1.0 / 3.0
+"""Of the ways of both surfaces in a step: what they go relative to each other at least in the next one, as what makes
+them move together may stop one of them. With three of these ways one meets the other where it stands."""
 
 NEAR_ENOUGH = 1e-7
 """Of the size of the smaller surface: what is nearer counts as near, however slow it is."""
@@ -135,13 +139,17 @@ def _search_pair(
     size = meshes.pair_values[pair].length_scale
     early = meshes.pairs[pair].law != RIGID or not meshes.pairs[pair].events
     early = early or meshes.pairs[pair].deforms
-    reach = (AT_START if first else NEAR_ENOUGH) * size + (AHEAD * moved if early else 0.0)
+    way, unsplit = moved, meshes.pairs[pair].law == RIGID and not meshes.pairs[pair].events
+    if unsplit and moved > 0.0 and not meshes.pairs[pair].deforms:
+        way_of(meshes.searches, pair, meshes.motions[pair])
+        way = min(moved, max(meshes.counts.way, ALONE * moved))
+    reach = (AT_START if first else NEAR_ENOUGH) * size + (AHEAD * way if early else 0.0)
     meshes.pairs[pair].reach = reach
     depth = DEEPER * deepest_of(meshes, contacts, pair)
     standing = meshes.pairs[pair].keeps and not first
     mark = contacts_mark(meshes, contacts, pair) if standing else 0
     if standing and stands(meshes, contacts, pair, reach + depth, mark):
-        _follow_contacts(meshes, contacts, bodies, pair, work)
+        _follow_contacts(meshes, contacts, bodies, pair, unsplit, way, work)
         if contacts_mark(meshes, contacts, pair) == mark:
             meshes.pairs[pair].patches = patch_count(meshes, contacts, pair)
             count_still(contacts, pair)
@@ -153,11 +161,10 @@ def _search_pair(
     if count < 0:
         _stop(contacts, pair, work)
         return
-    lost = _follow_contacts(meshes, contacts, bodies, pair, work)
+    lost = _follow_contacts(meshes, contacts, bodies, pair, unsplit, way, work)
     sort_found(meshes, count)
     settle_sides(meshes, contacts, pair, count, first)
     settle_by_material(meshes, contacts, pair, count)
-    unsplit = meshes.pairs[pair].law == RIGID and not meshes.pairs[pair].events
     patches = choose_contacts(meshes, contacts, pair, count, 0.5 * reach if unsplit else -math.inf)
     for i in range(count):
         found = meshes.found.contacts[i]
@@ -172,7 +179,7 @@ def _search_pair(
             meshes.keeps[i] = 0
         if meshes.keeps[i] < 0 or (lost > 0 and _hand_over(meshes, contacts, bodies, pair, i, moved, work)):
             continue
-        if not _add(meshes, contacts, bodies, pair, i, moved, step, work):
+        if not _add(meshes, contacts, bodies, pair, i, way, step, work):
             _stop(contacts, pair, work)
             return
     meshes.pairs[pair].patches = patches
@@ -214,7 +221,13 @@ def _stop(contacts: ContactRows, pair: int, work: Workspace) -> None:
 
 @kernel(internal=True)
 def _follow_contacts(
-    meshes: SurfacePairs, contacts: ContactRows, bodies: Bodies, pair: int, work: Workspace
+    meshes: SurfacePairs,
+    contacts: ContactRows,
+    bodies: Bodies,
+    pair: int,
+    unsplit: bool,
+    way: float,
+    work: Workspace,
 ) -> int:
     """Gaps and rows of the contacts of a pair; how many of the closed ones have left their face or edges."""
     lost, c = 0, meshes.pairs[pair].first_member
@@ -222,6 +235,8 @@ def _follow_contacts(
         state = contacts.state[c]
         narrow_phase_mesh(meshes, contacts, bodies, c, work)
         state.hit, state.passed = 0, 0.0
+        if unsplit:
+            state.shift = way
         if holds(contacts, c) and state.beside > meshes.pairs[pair].border:
             lost += 1
         c = meshes.next_member[c]

@@ -12,7 +12,7 @@ from heavylift.numerics.jit import kernel
 from heavylift.numerics.objects import entry
 from heavylift.numerics.records import Records, clear_record, copy_record
 from heavylift.solver.contact.counts import contact_count
-from heavylift.solver.contact.kind import TRIANGLES, ContactRows, ContactState
+from heavylift.solver.contact.kind import RIGID, TRIANGLES, ContactRows, ContactState
 from heavylift.solver.contact.triangles.facets import take_slots
 from heavylift.solver.contact.triangles.interface import keep_found, place_surfaces
 from heavylift.solver.contact.triangles.kind import SurfacePairs, contact_header, gone_contacts, placed_pose
@@ -174,6 +174,10 @@ def keep_found_contacts(meshes: SurfacePairs, contacts: ContactRows, before: boo
             copy_record(meshes.kept[c], contacts.state[c])
         return
     carried = first + contact_header(contacts.placed[header_row(contacts)], 0).count
+    for c in range(first, carried):
+        if contacts.table[c].law == RIGID and not contacts.table[c].events:  # has a row now if it has come in
+            contacts.state[c].sleep = min(contacts.state[c].sleep, meshes.kept[c].end_gap)
+            contacts.state[c].hit = meshes.kept[c].hit
     for c in range(carried, contact_count(contacts)):
         state = contacts.state[c]
         copy_record(state, meshes.kept[c])

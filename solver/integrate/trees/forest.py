@@ -94,8 +94,9 @@ class TreeBody(Record, whole_lines=True):
         Of its velocities and of its pose in the vector of all bodies.
     block, sign
         Block of the joint, -1 without; 1 if this body is its b, -1 if that is the parent.
-    turned
-        Whether `turn` is more than unity.
+    turned, alone
+        Whether `turn` is more than unity; whether its centre of mass is its joint point, with a quaternion and nothing
+        hanging on it: then its turning is that of a body alone.
     number
         Of the body in the scene.
     offset, centre
@@ -141,6 +142,7 @@ class TreeBody(Record, whole_lines=True):
     pose: int
     block: int
     turned: int
+    alone: int
     number: int
     sign: float
     mass: float
@@ -198,7 +200,7 @@ class LoopRow(Record):
     first, last
         Range of the bodies in their trees.
     kept
-        Whether it does not follow from others.
+        Whether it does not follow from others; -1 as long as nobody knows.
     target, pull, own, rest
         What it wants, and the force that gives it; its part of the matrix of the rows, and of a right-hand side.
     """
@@ -255,6 +257,13 @@ class Forest(Arrays):
     joints: Joints
     loops: Records[LoopRow]
     answers: Floats1
+
+    def keep_rows(self, rows: NDArray[np.int64], kept: NDArray[np.bool_]) -> None:
+        """Leave rows out that follow from others; as of `Integration`."""
+        chosen = dict(zip(rows.tolist(), kept.tolist(), strict=True))
+        self.loops["kept"] = [
+            chosen[place] for place in self.loops["block"] * self.rows.lanes + self.loops["row"]
+        ]
 
     def write_tree_state(self, kinds: Bodies, values: Floats1) -> None:
         """Coordinates and velocities of the carried state of bodies into a state vector."""
@@ -408,6 +417,9 @@ def _plant(joints: Sequence[Joint], layout: Layout, kind: Any) -> Forest | None:
     for body in bodies:
         body.dof, body.pose = coordinates[body.number]["velocity"], coordinates[body.number]["place"]
     made = records(TreeBody, bodies)
+    if not rest:
+        at_centre = (made["joint"] >= BALL) & ~made["centre"].any(axis=1)
+        made["alone"] = at_centre & ~np.isin(np.arange(len(made)), made["parent"])
     loops = []
     for joint in joints:
         if joint.name in used:
@@ -424,7 +436,7 @@ def _plant(joints: Sequence[Joint], layout: Layout, kind: Any) -> Forest | None:
         }
         rows = np.flatnonzero(system.rows[block[joint.name]].scale).tolist()
         loops += [
-            filled(LoopRow, **fields, row=row, kept=1, target=0.0, pull=0.0, own=0.0, rest=0.0)
+            filled(LoopRow, **fields, row=row, kept=-1, target=0.0, pull=0.0, own=0.0, rest=0.0)
             for row in rows
         ]
     return Forest(

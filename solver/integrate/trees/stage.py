@@ -276,7 +276,7 @@ def _close_loops(
     _look_at_loops(forest, bodies, integration, at, work, time)
     for attempt in range(CLOSINGS):
         gather_inward(forest)
-        if attempt > 0 or not integration.progress.started:
+        if attempt > 0 or forest.loops[0].kept < 0:
             choose_rows(forest)
         answer_rows(forest, False)
         for i in range(forest.loops.shape[0]):
@@ -288,7 +288,7 @@ def _close_loops(
         add_answers(forest, values, rate)
         move_coordinates(forest, values, at, values, rate)
         _look_at_loops(forest, bodies, integration, at, work, time)
-        if integration.progress.started and _largest_gap(forest) < OPEN:
+        if _largest_gap(forest) < OPEN:
             break
     gather_inward(forest)
     answer_rows(forest, False)

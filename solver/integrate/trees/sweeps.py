@@ -60,6 +60,7 @@ Nine = tuple[float, float, float, float, float, float, float, float, float]
 
 UNIT = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
 ZERO = (0.0, 0.0, 0.0)
+NOTHING = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
 @kernel(inline=True, internal=True)
@@ -192,6 +193,12 @@ def pose_outward(forest: Forest, values: Floats1, at: int) -> None:
         put(one.spin, w)
         put(one.turning, turning)
         put(one.shifting, shifting)
+        if one.alone:
+            I, spin = one.inertia, vector_at(values, speed if joint == BALL else speed + 3)
+            gyroscopic = cross(spin, (I[0] * spin[0], I[1] * spin[1], I[2] * spin[2]))
+            put(one.moment, rotate(R, gyroscopic))
+            put(one.force, ZERO)
+            continue
         m, c = one.mass, rotate(R, one.centre)
         put(one.to_centre, c)
         jx, jy, jz = one.inertia[0], one.inertia[1], one.inertia[2]
@@ -257,7 +264,22 @@ def gather_inward(forest: Forest) -> None:
         joint = one.joint
         A, B, M = six(one.A), nine(one.B), six(one.M)
         n, f = vector(one.moment), vector(one.force)
-        if joint <= SLIDER:
+        if one.alone:
+            m = one.mass
+            put(one.hinge_force, f)
+            if joint == FLOATING:
+                continue
+            M = (m, 0.0, 0.0, m, 0.0, m)
+            if joint == DISTANCE:
+                s, moving = vector(one.along), vector(one.moving)
+                one.compliance = m
+                one.drive = dot(s, f) / m - one.length * dot(moving, moving)
+                M, f = _along(m, s), scaled(m * one.drive, s)
+            if one.parent < 0:
+                continue
+            f = add(f, times(M, one.shifting))
+            A, B, n = NOTHING, (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0), ZERO
+        elif joint <= SLIDER:
             s = vector(one.along)
             if joint == HINGE:
                 ua, ul = times(A, s), rotate_back(B, s)
@@ -337,14 +359,19 @@ def gather_inward(forest: Forest) -> None:
                 d = 1.0 / dot(s, push)
                 u = dot(push, f) - one.length * dot(moving, moving)
                 one.compliance, one.drive = d, u
-                t = scaled(d, s)
-                M = (t[0] * s[0], t[0] * s[1], t[0] * s[2], t[1] * s[1], t[1] * s[2], t[2] * s[2])
-                f = scaled(u, t)
+                M, f = _along(d, s), scaled(d * u, s)
             if one.parent < 0:
                 continue
             f = add(f, times(M, one.shifting))
-            A, B, n = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0), ZERO
+            A, B, n = NOTHING, (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0), ZERO
         _hand_over(forest.bodies[one.parent], vector(one.arm), A, B, M, n, f)
+
+
+@kernel(inline=True, internal=True)
+def _along(m: float, s: Vector) -> Six:
+    """``m s s^T``."""
+    t = scaled(m, s)
+    return t[0] * s[0], t[0] * s[1], t[0] * s[2], t[1] * s[1], t[1] * s[2], t[2] * s[2]
 
 
 @kernel(inline=True, internal=True)
@@ -379,6 +406,14 @@ def _hand_over(to: TreeBody, r: Vector, A: Six, B: Nine, M: Six, n: Vector, f: V
 
 
 @kernel(inline=True, internal=True)
+def _moved(one: TreeBody, force: Vector) -> Vector:
+    """Acceleration of the joint point of a body that turns freely about it."""
+    if one.alone:
+        return scaled(1.0 / one.mass, force)
+    return times(one.inverse_mass, force)
+
+
+@kernel(inline=True, internal=True)
 def accelerate(forest: Forest, gravity: Vector, values: Floats1, out: int) -> None:
     """Accelerations of the coordinates into a state vector, root first; those of bodies are without gravity."""
     ground = scaled(-1.0, gravity)
@@ -391,18 +426,21 @@ def accelerate(forest: Forest, gravity: Vector, values: Floats1, out: int) -> No
             alpha, a = vector(above.alpha), vector(above.a)
         a = add(add(a, cross(alpha, one.arm)), one.shifting)
         if joint == FLOATING:
-            a = scaled(-1.0, times(one.inverse_mass, one.hinge_force))
+            a = scaled(-1.0, _moved(one, vector(one.hinge_force)))
         elif joint == DISTANCE:
             before = a
             pull = one.compliance * (one.drive + dot(one.along, a))
-            push = add_scaled(scaled(-1.0, one.hinge_force), pull, one.along)
-            a = times(one.inverse_mass, push)
+            a = _moved(one, add_scaled(scaled(-1.0, one.hinge_force), pull, one.along))
             bend = scaled(1.0 / one.length, subtract(a, before))
             for k in range(3):
                 values[speed + k] = bend[k]
         if joint >= BALL:
-            alpha = scaled(-1.0, times(one.inverse, add(rotate(one.B, a), one.moment)))
-            spin_rate = rotate_back(one.R, alpha)
+            if one.alone:
+                n, I = rotate_back(one.R, one.moment), one.inertia
+                spin_rate = (-n[0] / I[0], -n[1] / I[1], -n[2] / I[2])
+            else:
+                alpha = scaled(-1.0, times(one.inverse, add(rotate(one.B, a), one.moment)))
+                spin_rate = rotate_back(one.R, alpha)
             if joint == FLOATING:
                 w, c = vector(one.spin), vector(one.to_centre)
                 centre = add(add(add(a, cross(alpha, c)), cross(w, cross(w, c))), gravity)
@@ -430,6 +468,8 @@ def accelerate(forest: Forest, gravity: Vector, values: Floats1, out: int) -> No
 @kernel(inline=True, internal=True)
 def joint_wrench(one: TreeBody) -> tuple[Vector, Vector]:
     """Moment about the joint point and force that the joint exerts on its body, world axes, as last accelerated."""
+    if one.alone:
+        return ZERO, add_scaled(one.force, one.mass, one.a)
     moment = add(add(times(one.A, one.alpha), rotate(one.B, one.a)), one.moment)
     force = add(add(rotate_back(one.B, one.alpha), times(one.M, one.a)), one.force)
     return moment, force

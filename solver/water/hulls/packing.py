@@ -428,13 +428,16 @@ def _consistent_added_mass(database: HydrodynamicDatabase) -> NDArray[np.float64
     """
     from heavylift.preprocess.hydrodynamics.database import mass_scales
     from heavylift.preprocess.hydrodynamics.repairs import FELT_MASS
-    from heavylift.preprocess.hydrodynamics.retardation import check_infinite_added_mass, infinite_added_mass
+    from heavylift.preprocess.hydrodynamics.retardation import consistent_added_mass
 
-    w, A, B = database.omega, database.added_mass, database.damping
-    least = FELT_MASS * mass_scales(database)
-    check_infinite_added_mass(w, A, B, database.added_mass_infinite, least=least, source=database.source)
-    consistent = infinite_added_mass(w, A, B, source=database.source)[0]
-    return np.asarray(0.5 * (consistent + consistent.T))
+    return consistent_added_mass(
+        database.omega,
+        database.added_mass,
+        database.damping,
+        database.added_mass_infinite,
+        least=FELT_MASS * mass_scales(database),
+        source=database.source,
+    )
 
 
 def _memory(radiation: Radiation, first: int, step: float, notes: list[str]) -> ExponentialPart | DirectPart:

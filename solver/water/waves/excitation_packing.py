@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from heavylift.numerics.derived import derived
 from heavylift.numerics.jit import in_python
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.records import filled_rows
@@ -85,6 +87,62 @@ def pack_summed(
                          key="yaws", expected="one a hull")  # fmt: skip
     if not (ramp >= 0.0 and math.isfinite(ramp)):
         raise InputError(f"ramp of {ramp:g} s", key="ramp", expected=">= 0 s")
+    found = derived(_YawTables, _yaw_tables, trains, database, start, with_drift, turning)
+    inside = found.inside
+    omega, direction = trains.omega[inside], trains.direction[inside]
+    wavenumber = trains.wavenumber[inside]
+    yaw_rows = filled_rows(
+        YawTable,
+        first=found.first,
+        inverse_spacing=1.0 / found.spacing,
+        cells=np.full(len(found.first), found.cells),
+        periodic=found.periodic,
+    )
+    return SummedExcitation(
+        omega=_aligned_copy(omega),
+        kx=_aligned_copy(wavenumber * np.cos(direction)),
+        ky=_aligned_copy(wavenumber * np.sin(direction)),
+        phase=_aligned_copy(trains.phase[inside]),
+        amplitude=_aligned_copy(trains.amplitude[inside]),
+        table=_aligned_copy(found.table),
+        drift=_aligned_copy(found.drift),
+        yaws=yaw_rows,
+        ramp_start=ramp_start,
+        ramp_length=ramp,
+        cosine=aligned((len(omega),)),
+        sine=aligned((len(omega),)),
+    )
+
+
+class _YawTables(NamedTuple):
+    """Excitation of each component over the yaw of the hulls.
+
+    Attributes
+    ----------
+    inside
+        Components that the database covers, shape (m,).
+    first, spacing, cells, periodic
+        Yaw angles of the tables: the first and the spacing of each hull [rad], their number, 1 if they go round.
+    table, drift
+        Rows of `SummedExcitation`; no rows without drift.
+    """
+
+    inside: NDArray[np.bool_]
+    first: NDArray[np.float64]
+    spacing: NDArray[np.float64]
+    cells: int
+    periodic: NDArray[np.float64]
+    table: NDArray[np.float64]
+    drift: NDArray[np.float64]
+
+
+def _yaw_tables(
+    trains: WaveTrains,
+    database: HydrodynamicDatabase,
+    start: NDArray[np.float64],
+    with_drift: bool,
+    turning: bool,
+) -> _YawTables:
     inside = components_inside(database, trains, start)
     omega = np.clip(trains.omega[inside], database.omega[0], database.omega[-1])
     direction, amplitude = trains.direction[inside], trains.amplitude[inside]
@@ -108,28 +166,7 @@ def pack_summed(
             )
         values, slopes = _over_yaws(over_heading, direction, amplitude, first, spacing, cells)
         drift = np.concatenate([values.real, slopes.real], axis=2).reshape(-1, len(omega))
-    wavenumber = trains.wavenumber[inside]
-    yaw_rows = filled_rows(
-        YawTable,
-        first=first,
-        inverse_spacing=1.0 / spacing,
-        cells=np.full(len(first), cells),
-        periodic=periodic,
-    )
-    return SummedExcitation(
-        omega=_aligned_copy(trains.omega[inside]),
-        kx=_aligned_copy(wavenumber * np.cos(direction)),
-        ky=_aligned_copy(wavenumber * np.sin(direction)),
-        phase=_aligned_copy(trains.phase[inside]),
-        amplitude=_aligned_copy(amplitude),
-        table=_aligned_copy(packed.reshape(-1, len(omega))),
-        drift=_aligned_copy(drift),
-        yaws=yaw_rows,
-        ramp_start=ramp_start,
-        ramp_length=ramp,
-        cosine=aligned((len(omega),)),
-        sine=aligned((len(omega),)),
-    )
+    return _YawTables(inside, first, spacing, cells, periodic, packed.reshape(-1, len(omega)), drift)
 
 
 def pack_series(
@@ -170,7 +207,9 @@ def pack_series(
     summed = pack_summed(
         trains, database, yaws=place[:, 2], ramp=ramp, ramp_start=start, with_drift=with_drift, turning=False
     )
-    interval = series_step(trains, database, place[:, 2]) if step is None else step
+    interval = step
+    if interval is None:
+        interval = derived(_Interval, _series_interval, trains, database, place[:, 2]).step
     first = start - 2.0 * interval
     rows = math.ceil(duration / interval) + 6
     values = aligned((rows, 6 * database.body_count))
@@ -203,6 +242,14 @@ def series_step(trains: WaveTrains, database: HydrodynamicDatabase, yaws: ArrayL
         if np.all(error <= SERIES_ERROR**2 * total[active]) or step < 1e-3:
             return step
         step *= 0.8
+
+
+class _Interval(NamedTuple):
+    step: float
+
+
+def _series_interval(trains: WaveTrains, database: HydrodynamicDatabase, yaws: ArrayLike) -> _Interval:
+    return _Interval(float(series_step(trains, database, yaws)))
 
 
 def catmull_rom_error(angle: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from mesh_contact_scenes import body, scene, turn
 
+from heavylift.numerics.outcome import InputError
 from heavylift.preprocess.surfaces.primitives import box_surface, plane_surface
 from heavylift.preprocess.surfaces.triangle_surface import TriangleSurface
 from heavylift.solver.contact.triangles.standing import STILL
@@ -182,3 +183,60 @@ def test_what_has_stood_goes_on_in_a_saved_run(tmp_path: Any) -> None:
             if name not in {"cpu_seconds", "watch"}:
                 np.testing.assert_array_equal(found[name], expected[name], err_msg=name)
     assert contacts_of(whole).stood["still"].min() > 10
+
+
+def test_what_moves_together_is_near_when_one_of_both_stops() -> None:
+    """Two boxes fly at 4 m/s, 0.1 m apart; the first one hits a wall, the other one then hits it; steps are not split.
+
+    While they fly nothing is near: what counts is how far they go relative to each other. Without restitution both end
+    at the wall with the momentum gone, and none inside another.
+    """
+    front, behind = (
+        body(name, (x, 0.0, 0.0), velocity=(4.0, 0.0, 0.0)) for name, x in (("front", 0.0), ("behind", -1.1))
+    )
+    wall = TriangleSurface(CUBE.points + np.array([1.61, 0.11, 0.07]), CUBE.triangles, 0.0, "wall")
+    made = scene(
+        [(front, CUBE), (behind, CUBE)],
+        wall,
+        [("floor", "front"), ("behind", "front")],
+        gravity=(0.0, 0.0, 0.0),
+        events=False,
+        most_contacts=64,
+        recorded=0,
+    )
+    simulation = Simulation(made, 0.005)
+    contacts, gaps, near = contacts_of(simulation), [], []
+    column = next(c.column for c in simulation.channels if c.name == "front.position")
+    other = next(c.column for c in simulation.channels if c.name == "behind.position")
+    for _ in range(60):
+        record = simulation.advance(1)[1][0]
+        gaps.append((0.61 - record[column], record[column] - record[other] - 1.0))
+        near.append(int(contacts.counts.total))
+    assert not simulation.outcome, simulation.message
+    wall_gap, gap = np.array(gaps).T
+    assert not any(near[: int(np.argmax(wall_gap < 0.085))])
+    assert wall_gap.min() > -1e-9
+    assert gap.min() > -1e-9
+    assert wall_gap[-1] < 1e-6
+    assert gap[-1] < 1e-6
+
+
+def test_a_state_holds_the_contacts_that_there_are() -> None:
+    """Not the room for all that there may be; and it goes on where more had been in between."""
+    made = stack(2, most_contacts=512)
+    whole = Simulation(made, STEP)
+    before = whole.state()
+    whole.advance(20)
+    state, count = whole.state(), int(contacts_of(whole).counts.total)
+    whole.advance(20)
+    assert count == 8
+    assert before["ContactRows.state"].size == 0
+    assert state["ContactRows.state"].size == count * len(contacts_of(whole).state[0].words)
+    for saved, steps in ((state, 20), (before, 40)):
+        whole.restore(saved)
+        again = Simulation(made, STEP)
+        again.restore(saved)
+        np.testing.assert_array_equal(whole.advance(steps)[1], again.advance(steps)[1])
+    cut = {**state, "ContactRows.state": state["ContactRows.state"][:-1]}
+    with pytest.raises(InputError, match="does not fit"):
+        whole.restore(cut)

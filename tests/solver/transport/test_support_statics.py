@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy.optimize import brentq
+from scipy.spatial import ConvexHull
 from vehicles import (
     BOGIE,
     FRONT,
@@ -35,6 +36,7 @@ from heavylift.solver.simulation import Simulation
 from heavylift.solver.transport.decks import Deck
 from heavylift.solver.transport.support_statics import (
     SupportStatics,
+    _hull,
     even_loads,
     growth_rate,
     small_motions,
@@ -280,3 +282,15 @@ def test_loads_on_rough_roads_with_stops_are_those_of_a_bracketing_search(sigma)
             seen |= {"air"} if expected.min() == 0.0 else set()
             seen |= {"stop"} if strokes(p).max() == high else set()
     assert sigma < 0.05 or seen == {"air", "stop"}
+
+
+def test_corners_of_places_are_those_of_their_convex_hull():
+    rng = np.random.default_rng(7)
+    for count in (3, 4, 7, 40):
+        points = rng.normal(size=(count, 2))
+        expected = [int(number) for number in ConvexHull(points).vertices]
+        found = _hull(points)
+        first = expected.index(found[0])
+        assert found == expected[first:] + expected[:first]
+    grid = np.array([[x, y] for x in range(4) for y in range(3)], dtype=np.float64)
+    assert {tuple(point) for point in grid[_hull(grid)]} == {(0, 0), (3, 0), (3, 2), (0, 2)}
