@@ -83,7 +83,7 @@ def derived(result: type[T], make: Callable[..., T], *inputs: Any, rows: Sequenc
     Raises
     ------
     TypeError
-        Something in the arguments or in the result that is no array or number; also without a store.
+        With a store: something in the arguments or in the result that is no array, number or text.
     """
     store = _STORE.get()
     if store is None:

@@ -127,10 +127,12 @@ class SideBySide:
             os.environ[PROCESSES] = "1"  # what it does is not divided again
             while told := os.read(self._numbers, NUMBER.size):
                 (number,) = NUMBER.unpack(told)
-                with contextlib.suppress(Exception):
+                try:
                     content = pickle.dumps(self._parts[number](), protocol=pickle.HIGHEST_PROTOCOL)
                     with open(self._results[number], "wb", closefd=False) as stream:
                         stream.write(content)
+                except Exception:  # noqa: BLE001  it fails again where all can see it
+                    os.ftruncate(self._results[number], 0)  # half a result is none
                 sys.stdout.flush()
                 sys.stderr.flush()
                 os.write(self._tell, told)

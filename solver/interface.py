@@ -58,6 +58,7 @@ __all__ = [
     "finish",
     "forget_accelerations",
     "free_acceleration",
+    "hold_turns",
     "iterate",
     "joint_rows",
     "predict",
@@ -591,6 +592,14 @@ def begin_stage(kinds: Bodies, time: float, values: Floats1, at: int, work: Work
     """Bodies: take the state vector at `at`, and fill the markers with rates and second rates.
 
     Prescribed motion is written into the state vector.
+    """
+
+
+@optional("accurate")
+def hold_turns(kinds: Forces, back: bool) -> None:
+    """Forces that count turns by what they were evaluated at last: keep them for a state that stands, or go back to it.
+
+    The stages of a step that is rejected may be anywhere.
     """
 
 

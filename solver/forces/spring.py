@@ -39,6 +39,7 @@ from heavylift.solver.interface import (
     add_forces,
     fill_bias,
     fill_rows,
+    hold_turns,
     record_joints,
     update_rows,
     watch_joints,
@@ -275,8 +276,8 @@ class SpringState(Record):
 
     Attributes
     ----------
-    value
-        Last value of an angle [rad], to count its turns.
+    value, held
+        Last value of an angle [rad], to count its turns; that of the last state that stands, see `hold_turns`.
     loss
         Energy lost in the damper of a row [J].
     rate, growth
@@ -294,6 +295,7 @@ class SpringState(Record):
     """
 
     value: float
+    held: float
     loss: float
     rate: float
     growth: float
@@ -464,6 +466,17 @@ def add_springs(kind: Springs, time: float, work: Workspace) -> None:
             q = coordinate_value(work, spring.coordinate, spring.a, spring.b, spring.c)
             load = spring_load(kind.curves, spring, _elongation(kind, i, q), end_rate(spring, work))
             add_load(work, spring.coordinate, spring.a, spring.b, spring.c, -load)
+
+
+@implement(hold_turns, Springs)
+@kernel(internal=True)
+def hold_spring_turns(kind: Springs, back: bool) -> None:
+    """Of angles."""
+    for i in range(kind.table.shape[0]):
+        if back:
+            kind.state[i].value = kind.state[i].held
+        else:
+            kind.state[i].held = kind.state[i].value
 
 
 @implement(fill_rows, Springs)

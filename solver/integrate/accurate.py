@@ -72,6 +72,7 @@ from heavylift.solver.interface import (
     begin_stage,
     complete_accelerations,
     free_acceleration,
+    hold_turns,
     joint_rows,
     store_state,
 )
@@ -89,6 +90,10 @@ gyroscope that turned up to two radians a step passed a tolerance of 0.1 mm whil
 
 LEAST_ERROR = 1e-6
 MEMORY_DECAY = 0.9
+AT_REST_FOR = 100.0
+"""Output intervals: what could begin with a longer step is at rest but for rounding, which tells nothing of a step. The
+positions tried in steps of days are anywhere, and turns of an angle are counted through them."""
+
 SHORTEST = 1e-13
 """Shortest step, relative to the time or to the output interval."""
 
@@ -220,6 +225,7 @@ def _begin(
     if closed:
         _project(bodies, joints, rows, work, integration, allowed, time)
     _evaluate(bodies, forces, joints, rows, work, integration, END, END_RATE, time, False, closed)
+    hold_turns(forces, False)
     integration.progress.filled = 0
     _add_node(rows, integration, time)
 
@@ -238,7 +244,8 @@ def _first_step(
     rate = max(math.sqrt(acceleration / length), work.control.error / length)
     if not rate > 0.0:
         return interval
-    return (allowed / length) ** (1.0 / (ORDER + 1)) / rate
+    found = (allowed / length) ** (1.0 / (ORDER + 1)) / rate
+    return found if found < AT_REST_FOR * interval else interval
 
 
 @kernel(internal=True)
@@ -265,6 +272,8 @@ def _step(
     progress, values, control = integration.progress, integration.vectors, work.control
     allowed = min(wanted, progress.largest_error)
     size = values.shape[0] // VECTORS
+    if progress.started:  # records were evaluated since
+        hold_turns(forces, True)
     if not progress.started or progress.at_corner:
         time = progress.times[progress.newest] if progress.started else 0.0
         _begin(bodies, forces, joints, rows, work, integration, allowed, time)
@@ -319,6 +328,7 @@ def _step(
         factor = SMALLEST_FACTOR
         if error < math.inf:
             factor = max(SAFETY * error ** (-1.0 / ORDER), SMALLEST_FACTOR)
+        hold_turns(forces, True)
         control.next_step = h * factor
         progress.rejected = True
         progress.rejections += 1
@@ -335,6 +345,7 @@ def _step(
         progress.at_corner = True
         return True
     _evaluate(bodies, forces, joints, rows, work, integration, END, END_RATE, last, False, True)
+    hold_turns(forces, False)
     watch_stability(integration, h)
     time += h
     if at_corner and rest == ahead:

@@ -184,7 +184,8 @@ class RunWatch:
         if not len(rows):
             return
         if VIOLATION in self._place:
-            self._opening = max(self._opening, float(rows[:, self._place[VIOLATION]].max()))
+            # what is no number is passed over, however many rows are looked at together
+            self._opening = float(np.fmax.reduce(rows[:, self._place[VIOLATION]], initial=self._opening))
         known = np.isfinite(rows[:, : self._sums]).all(axis=1)
         if not known.all():
             self._finite = False

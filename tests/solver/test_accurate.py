@@ -12,9 +12,11 @@ from scipy.special import ellipj
 
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import InputError
-from heavylift.solver.forces.spring import Spring
+from heavylift.solver.forces.point import PointForce
+from heavylift.solver.forces.spring import JointSpring, Spring
 from heavylift.solver.integrate.accurate import Integration, make_integration, stiffness_seen
 from heavylift.solver.integrate.dop853 import STAGES, write_end, write_stage
+from heavylift.solver.integrate.trees import forest
 from heavylift.solver.joints.hinge import Hinge
 from heavylift.solver.layout import pack_scene
 from heavylift.solver.scene.connections import GROUND, JointFrame
@@ -307,3 +309,53 @@ def test_what_was_lost_before_a_stop_is_told_after_it() -> None:
     second.advance(100)
     for simulation in (whole, second):
         assert "J of energy (61.8%) were lost" in simulation.warning
+
+
+def on_a_coil(*forces: PointForce) -> Scene:
+    """Two links that hang; a coiled spring at the upper hinge."""
+    along_y = JointFrame(np.zeros(3), np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]]))
+    end = JointFrame(np.array([1.0, 0.0, 0.0]), along_y.axes)
+    bodies = tuple(
+        RigidBody(name, mass, 0.3 * np.eye(3), 0.5 * end.point, position=x * end.point)
+        for name, mass, x in (("upper", 2.0, 0.0), ("lower", 1.0, 1.0))
+    )
+    joints = (
+        Hinge(name="top", body_a=GROUND, body_b="upper", frame_a=along_y, frame_b=along_y),
+        Hinge(name="middle", body_a="lower", body_b="upper", frame_a=along_y, frame_b=end),
+    )
+    coil = JointSpring(name="coil", joint="top", stiffness=20.0, damping=2.0)
+    return Scene(bodies, (Gravity(np.array([0.0, 0.0, -9.81])), coil, *forces), joints=joints)
+
+
+@pytest.mark.parametrize("in_trees", [True, False])
+def test_what_begins_at_rest_on_a_coiled_spring_stays_there(
+    in_trees: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Accelerations that are rounding tell nothing of the first step: one of months would wind the spring up."""
+    monkeypatch.setattr(forest, "SERVED", in_trees)
+    still = PointForce("push", "lower", np.zeros(3), np.zeros(1), np.zeros((1, 3)))
+    simulation = Simulation(on_a_coil(still), 0.02, "accurate", tolerance=1e-9, start="equilibrium")
+    start = simulation.record()
+    _, records = simulation.advance(500)
+    assert not simulation.outcome, simulation.message
+    for name in ("top.angle", "middle.angle"):
+        angle = channel(simulation, records, name)
+        np.testing.assert_allclose(angle, channel(simulation, start[None], name)[0, 0], atol=1e-7)
+
+
+@pytest.mark.parametrize("in_trees", [True, False])
+def test_steps_that_are_rejected_do_not_wind_a_spring_up(
+    in_trees: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Steps at rest are long, so the first ones behind a jump of a force turn links many times, and are rejected."""
+    monkeypatch.setattr(forest, "SERVED", in_trees)
+    times = np.array([0.0, 30.0, 30.0001, 60.0])
+    values = np.outer([0.0, 0.0, 300.0, 300.0], [0.0, 0.0, 1.0])
+    push = PointForce("push", "lower", np.array([1.0, 0.0, 0.0]), times, values)
+    ends = []
+    for tolerance in (1e-4, 1e-9):
+        simulation = Simulation(on_a_coil(push), 0.02, "accurate", tolerance=tolerance, start="equilibrium")
+        _, records = simulation.advance(1530)
+        assert not simulation.outcome, simulation.message
+        ends.append(channel(simulation, records, "top.angle")[-1, 0])
+    assert ends[0] == pytest.approx(ends[1], abs=2e-3)
