@@ -140,6 +140,7 @@ def make_ropes(ropes: Sequence[Any], context: PackingContext) -> Ropes:
         records(PlaceGradient, len(places)),
         carried,
         np.full(len(places), START_WRAP),
+        np.full(len(places), START_WRAP),
         context.watched.pulls,
     )
 

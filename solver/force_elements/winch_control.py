@@ -139,7 +139,7 @@ class ControlledRopes(Ropes):
         Rows of all tables.
     """
 
-    carried_fields: ClassVar[tuple[str, ...]] = ("state", "wraps", "control_state")
+    carried_fields: ClassVar[tuple[str, ...]] = ("state", "wraps", "held", "control_state")
 
     controls: Records[WinchControl]
     control_state: Records[ControlState]

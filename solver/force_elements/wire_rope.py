@@ -57,6 +57,7 @@ from heavylift.solver.interface import (
     Workspace,
     add_forces,
     fill_rows,
+    hold_turns,
     record_joints,
     relinearise,
     set_targets,
@@ -404,8 +405,8 @@ class Ropes(Arrays):
         Derivatives of the length by them.
     state
         What the ropes carry.
-    wraps
-        Wrap of the rope about each place [rad], shape (m,).
+    wraps, held
+        Wrap of the rope about each place [rad], shape (m,); that of the last state that stands, see `hold_turns`.
     pulls
         What ropes that are watched pull with, shared by all kinds of ropes and by what watches them.
     """
@@ -413,6 +414,7 @@ class Ropes(Arrays):
     carried_fields: ClassVar[tuple[str, ...]] = (
         "state",
         "wraps",
+        "held",
     )
     COMMANDED: ClassVar[bool] = True
     """Whether a scenario may command their winches, connect and release them."""
@@ -424,6 +426,7 @@ class Ropes(Arrays):
     gradient: Records[PlaceGradient]
     state: Records[RopeState]
     wraps: Floats1
+    held: Floats1
     pulls: Records[LineForce]
 
     @property
@@ -699,6 +702,17 @@ def add_ropes(kind: Ropes, time: float, work: Workspace) -> None:
         if kind.table[i].stiffness == 0.0:
             e = length - rest
             work.sums.drive_work += 0.5 * kind.table[i].axial_stiffness * (e / rest) ** 2 * hauling
+
+
+@implement(hold_turns, Ropes)
+@kernel(internal=True)
+def hold_wraps(kind: Ropes, back: bool) -> None:
+    """Wraps, which are those nearest to the ones before."""
+    for i in range(kind.wraps.shape[0]):
+        if back:
+            kind.wraps[i] = kind.held[i]
+        else:
+            kind.held[i] = kind.wraps[i]
 
 
 @kernel(internal=True)

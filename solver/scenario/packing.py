@@ -661,6 +661,7 @@ def _no_ropes() -> Ropes:
         gradient=records(PlaceGradient, 0),
         state=records(RopeState, 0),
         wraps=np.zeros(0),
+        held=np.zeros(0),
         pulls=records(LineForce, 0),
     )
 

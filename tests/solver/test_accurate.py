@@ -12,6 +12,7 @@ from scipy.special import ellipj
 
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import InputError
+from heavylift.solver.force_elements.wire_rope import Rope
 from heavylift.solver.forces.point import PointForce
 from heavylift.solver.forces.spring import JointSpring, Spring
 from heavylift.solver.integrate.accurate import Integration, make_integration, stiffness_seen
@@ -19,7 +20,7 @@ from heavylift.solver.integrate.dop853 import STAGES, write_end, write_stage
 from heavylift.solver.integrate.trees import forest
 from heavylift.solver.joints.hinge import Hinge
 from heavylift.solver.layout import pack_scene
-from heavylift.solver.scene.connections import GROUND, JointFrame
+from heavylift.solver.scene.connections import GROUND, JointFrame, RopePoint
 from heavylift.solver.scene.scene import Driven, Gravity, Harmonic, Profile, RigidBody, Scene, Sensor
 from heavylift.solver.simulation import Simulation
 
@@ -359,3 +360,36 @@ def test_steps_that_are_rejected_do_not_wind_a_spring_up(
         assert not simulation.outcome, simulation.message
         ends.append(channel(simulation, records, "top.angle")[-1, 0])
     assert ends[0] == pytest.approx(ends[1], abs=2e-3)
+
+
+@pytest.mark.parametrize("in_trees", [True, False])
+def test_steps_that_are_rejected_do_not_wind_a_rope_up(
+    in_trees: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As above: an arm on a rope about a drum."""
+    monkeypatch.setattr(forest, "SERVED", in_trees)
+    along_y = JointFrame(np.zeros(3), np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]]))
+    drum = RigidBody("drum", 50.0, 20.0 * np.eye(3))
+    arm = RigidBody("arm", 20.0, 10.0 * np.eye(3), np.array([0.5, 0.0, -0.5]))
+    joints = tuple(
+        Hinge(name=f"axle of {name}", body_a=GROUND, body_b=name, frame_a=along_y, frame_b=along_y)
+        for name in ("drum", "arm")
+    )
+    path = (
+        RopePoint(GROUND, np.array([3.0, 0.0, -0.5])),
+        RopePoint("drum", np.zeros(3), radius=0.5, axis=np.array([0.0, 1.0, 0.0])),
+        RopePoint("arm", np.array([-1.5, 0.0, 1.0])),
+    )
+    rope = Rope(name="rope", path=path, axial_stiffness=1e5, damping=1e3)
+    times, loads = np.array([0.0, 30.0, 30.0001, 60.0]), np.outer([0.0, 0.0, 1.0, 1.0], [3000.0, 0.0, 0.0])
+    push = PointForce("push", "arm", np.array([0.0, 0.0, 1.0]), times, loads)
+    forces = (Gravity(np.array([0.0, 0.0, -9.81])), push)
+    scene = Scene((drum, arm), forces, ropes=(rope,), joints=joints)
+    ends = []
+    for tolerance in (1e-4, 1e-8):
+        simulation = Simulation(scene, 0.02, "accurate", tolerance=tolerance, start="equilibrium")
+        _, records = simulation.advance(1530)
+        assert not simulation.outcome, simulation.message
+        ends.append(channel(simulation, records, "axle of arm.angle")[-1, 0])
+    assert ends[0] == pytest.approx(ends[1], abs=1e-4)
+    assert abs(ends[1]) < 1.0  # the rope holds the arm
