@@ -93,7 +93,9 @@ def _place(document: Any, item: Mapping[str, Any]) -> tuple[list[str | int], Any
     """Keys of a problem without the names of union members that pydantic puts between them, and the value."""
     found = _walk(document, item)
     if item["type"] == "missing" and isinstance(item["loc"][-1], str) and found[1] is not _MISSING:
-        for depth in range(len(item["loc"]) - 1):  # a union member may have the name of a key that is there
+        for depth in reversed(
+            range(len(item["loc"]) - 1)
+        ):  # a union member may have the name of a key that is there
             other = _walk(document, item, depth)
             if other[1] is _MISSING:
                 return other
