@@ -33,7 +33,7 @@ VERSION = version("heavylift")
 CASES = Path(__file__).resolve().parents[1] / "cases"
 STEPS = (100, 200, 300, 500, 1000, 2000, 5000, 10000, 20000, 50000, 100000)
 """Steps of `dele2`, a multiple of the output intervals."""
-TOLERANCES = tuple(10.0**-k for k in range(13))
+TOLERANCES = tuple(10.0 ** (-0.5 * k) for k in range(25))
 """Of `accurate`."""
 
 

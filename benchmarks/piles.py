@@ -77,7 +77,8 @@ class Found:
 
 def stacks(*heights: int) -> Pile:
     """Cubes of a metre and a ton upon each other."""
-    boxes, pairs = [], []
+    boxes: list[Box] = []
+    pairs = []
     for k, height in enumerate(heights):
         for i in range(height):
             pairs.append((-1 if i == 0 else len(boxes) - 1, len(boxes)))
@@ -108,7 +109,8 @@ def chute(count: int = 50) -> Pile:
     middle = np.array([-6.0 * np.cos(angle), 0.0, 6.0 * np.sin(angle) + 0.3])
     sides = [((12.0, 2.2, 0.2), (0.0, 0.0, -0.1))]
     sides += [((12.0, 0.2, 2.0), (0.0, y, 0.9)) for y in (1.2, -1.2)]
-    fixed = [Box(0.0, size, middle + rotation_matrix(np.array(turned)) @ at, turned) for size, at in sides]
+    turn = rotation_matrix(np.array(turned))
+    fixed = [Box(0.0, size, tuple(middle + turn @ at), turned) for size, at in sides]
     random, boxes = np.random.default_rng(3), []
     for k in range(count):
         axis = random.normal(size=3)

@@ -517,6 +517,13 @@ class Simulation:
             for name, array in self._arrays():
                 array[...] = before[name]
         if good:
+            if self.diagnosis is not None and self.diagnosis.redundant:
+                from heavylift.solver.start.rows import StartRows
+                from heavylift.solver.start.shared_reactions import share_reactions
+
+                rows = StartRows(layout)
+                flat = found.reshape(-1)
+                flat[rows.places] = share_reactions(rows, flat[rows.places])
             system.rows["reaction"] = system.rows["last_reaction"] = found
 
     @property

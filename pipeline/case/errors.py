@@ -91,9 +91,24 @@ def _causes(items: Sequence[Any], document: dict[str, Any]) -> list[Any]:
 
 def _place(document: Any, item: Mapping[str, Any]) -> tuple[list[str | int], Any]:
     """Keys of a problem without the names of union members that pydantic puts between them, and the value."""
+    found = _walk(document, item)
+    if item["type"] == "missing" and isinstance(item["loc"][-1], str) and found[1] is not _MISSING:
+        for depth in reversed(
+            range(len(item["loc"]) - 1)
+        ):  # a union member may have the name of a key that is there
+            other = _walk(document, item, depth)
+            if other[1] is _MISSING:
+                return other
+    return found
+
+
+def _walk(document: Any, item: Mapping[str, Any], member: int = -1) -> tuple[list[str | int], Any]:
+    """The same, if the part of the place at a depth is the name of a union member."""
     loc, node = item["loc"], document
     keys: list[str | int] = []
     for depth, part in enumerate(loc):
+        if depth == member:
+            continue
         if _has(node, part):
             node = node[part]
         elif item["type"] == "missing" and isinstance(node, dict) and depth == len(loc) - 1:
