@@ -49,10 +49,6 @@ REFINED = 1e-8
 NO_GAIN = 1e-13
 """Residual below which a correction that gains nothing is taken for rounding, relative as above."""
 
-AT_REST = 1e-12
-"""Residual of impulses to begin with, below which they are a solution, relative as above. At ACCEPTED they would cost
-what stands a thousand times its energy drift."""
-
 REFINEMENTS = 6
 """Most corrections of an accepted solution."""
 
@@ -278,8 +274,7 @@ def iterate(
     while True:
         residual, scale, _ = _evaluate(problem, work, p)
         relative = residual / scale if scale > 0.0 else residual
-        at_rest = iteration == 0 and relative < AT_REST
-        if relative <= accepted and (accepted > ACCEPTED or step <= REFINED or at_rest):
+        if relative <= accepted and (accepted > ACCEPTED or step <= REFINED):
             return True, iteration, relative
         if relative <= accepted and relative < best:
             gain = relative < 0.5 * best
