@@ -51,13 +51,13 @@ GROWTHS = (3.0, 10.0, 2.0, 2.0, 5.0, 0.0, 4.0, 30.0, 2.0)
 Each of them misses a few of 1000 problems with wedged contacts, but not the same ones.
 """
 
-SWEEP_WORK = 3e8
+SWEEP_WORK = 2e10
 """Products of all sweeps: seconds."""
 
 FROM_SWEEPS = 5
 """Attempt that is made of sweeps over the contacts, and after which attempts begin with what those have left."""
 
-MOST_WORK, MOST_ROWS, LEAST_ITERATIONS = 2e10, 1e5, 300
+MOST_WORK, MOST_ROWS, LEAST_ITERATIONS = 2e10, 1e6, 300
 """Iterations times the cube of the velocities, and times the contacts, after which no more attempts are made: tenths of
 a second; iterations at least.
 
