@@ -51,8 +51,8 @@ GROWTHS = (3.0, 10.0, 2.0, 2.0, 5.0, 0.0, 4.0, 30.0, 2.0)
 Each of them misses a few of 1000 problems with wedged contacts, but not the same ones.
 """
 
-SWEEP_WORK = 2e10
-"""Products of all sweeps: seconds."""
+SWEEP_WORK = 3e7
+"""Products of all sweeps: a few tenths of a second."""
 
 FROM_SWEEPS = 5
 """Attempt that is made of sweeps over the contacts, and after which attempts begin with what those have left."""
