@@ -133,8 +133,8 @@ class TreeBody(Record, whole_lines=True):
         Accelerations of the body and its joint point.
     error5, error3
         Errors of the velocity of the joint point and of the spin.
-    row_moment, row_force, row_drive, row_alpha, row_a
-        As `moment`, `force`, `drive`, `alpha` and `a`, of a single row.
+    row_alpha, row_a
+        As `alpha` and `a`, by rows alone.
     """
 
     parent: int
@@ -184,9 +184,6 @@ class TreeBody(Record, whole_lines=True):
     velocity: Vector
     error5: Vector6
     error3: Vector6
-    row_moment: Vector
-    row_force: Vector
-    row_drive: float
     row_alpha: Vector
     row_a: Vector
 
@@ -201,13 +198,13 @@ class LoopRow(Record):
     a, b
         Its bodies in the forest, or `GROUNDED`.
     first, last, second, end
-        Ranges of the bodies in their trees; the latter is empty if there is one tree only.
-    path, path_end
-        Where its bodies and all that they hang on stand in the paths, the last ones first.
+        Ranges of the velocities of their trees; the latter is empty if there is one tree only.
     kept
         Whether it does not follow from others; -1 as long as nobody knows.
     force_a, moment_a, force_b, moment_b
         What a unit of it exerts on the bodies, about their joint points, world axes.
+    force, moment
+        The same on its way inward.
     target, pull, own, inverse, rest
         What it wants, and the force that gives it; its part of the matrix of the rows, of the inverse factor, and of a
         right-hand side.
@@ -221,13 +218,13 @@ class LoopRow(Record):
     last: int
     second: int
     end: int
-    path: int
-    path_end: int
     kept: int
     force_a: Vector
     moment_a: Vector
     force_b: Vector
     moment_b: Vector
+    force: Vector
+    moment: Vector
     target: float
     pull: float
     own: float
@@ -289,12 +286,11 @@ class Forest(Arrays):
         Record column of the largest violation, behind which are the smallest pivot and the largest drift of a law.
     loops
         Rows of the joints that are not in trees.
-    paths
-        Bodies of these rows, see there.
     order
         Numbers of the rows that are kept, and at the end how many these are.
     answers
-        Accelerations of all coordinates by each row that is kept, then the matrix of these rows; flat.
+        What a unit force of each row that is kept leaves to move the coordinates, then the accelerations that gives
+        there, the matrix of these rows, and what all rows leave together; flat.
     """
 
     carried_fields: ClassVar[tuple[str, ...]] = ("loops", "recorded")
@@ -317,7 +313,6 @@ class Forest(Arrays):
     recorded: Records[JointRecord]
     violation: int
     loops: Records[LoopRow]
-    paths: Ints1
     order: Ints1
     answers: Floats1
 
@@ -488,12 +483,12 @@ def _plant(joints: Sequence[Joint], layout: Layout, kind: Any) -> Forest | None:
     coordinates, end = kind.place_coordinates(len(layout.work.velocity))
     for body in bodies:
         body.dof, body.pose = coordinates[body.number]["velocity"], coordinates[body.number]["place"]
+    speeds = [*(body.speed for body in bodies), speed]
     made = records(TreeBody, bodies)
     if not rest:
         at_centre = (made["joint"] >= BALL) & ~made["centre"].any(axis=1)
         made["alone"] = at_centre & ~np.isin(np.arange(len(made)), made["parent"])
     loops: list[LoopRow] = []
-    paths: list[int] = []
     for joint in joints:
         if joint.name in used:
             continue
@@ -501,20 +496,12 @@ def _plant(joints: Sequence[Joint], layout: Layout, kind: Any) -> Forest | None:
         ends = [end if end >= 0 and free[end] else GROUNDED for end in ends]
         ranges = sorted({range_of[end] for end in ends if end != GROUNDED})
         (first, last), (second, beyond) = ranges[0], ranges[1] if len(ranges) > 1 else (0, 0)
-        path: set[int] = set()
-        for number in ends:
-            above = place_of[number]
-            while above != GROUNDED:
-                path.add(above)
-                above = int(made[above].parent)
-        begin = len(paths)
-        paths += sorted(path, reverse=True)
         for row in np.flatnonzero(system.rows[block[joint.name]].scale).tolist():
             made_row = LoopRow.one()
             made_row.block, made_row.row, made_row.kept = block[joint.name], row, -1
             made_row.a, made_row.b = place_of[ends[0]], place_of[ends[1]]
-            made_row.first, made_row.last, made_row.second, made_row.end = first, last, second, beyond
-            made_row.path, made_row.path_end = begin, len(paths)
+            made_row.first, made_row.last = speeds[first], speeds[last]
+            made_row.second, made_row.end = speeds[second], speeds[beyond]
             loops.append(made_row)
     blocks = {block[name] for name in used}
     carried_by = {place_of[number]: joint for number, (_, _, joint) in found.items()}
@@ -548,9 +535,8 @@ def _plant(joints: Sequence[Joint], layout: Layout, kind: Any) -> Forest | None:
         recorded=records(JointRecord, recorded),
         violation=system.monitor,
         loops=records(LoopRow, loops),
-        paths=np.array(paths, dtype=np.int64),
         order=np.zeros(count + 1, dtype=np.int64),
-        answers=np.zeros(count * (speed + count + 1)),
+        answers=np.zeros(count * (2 * speed + count) + speed),
     )
 
 

@@ -1,12 +1,13 @@
 """Rows that hold trees together: joints that close loops, and joints of other types.
 
-With the accelerations X that a unit force of each row gives, and rows G on bodies::
+With rows G on bodies and the mass matrix M of the coordinates, that is never formed::
 
-    S = G X,    ( S + delta D ) l = target - G a_0,    a = a_0 + X l
+    S = G M^-1 G^T,    ( S + delta D ) l = target - G a_0,    a = a_0 + M^-1 G^T l
 
-A force of a row goes inward through the articulated inertias, which are there, and its accelerations come outward. So
-the mass matrix of the trees is never formed. Rows that follow from others, as those of plane loops of hinges, are left
-out: in a pivoted factorization of S they leave nothing.
+The articulated inertias are its factors: a force of a row goes inward, and leaves at each joint the part u that moves
+its coordinates. With the inverse d of what moves there, S is the sum of ``u d u^T`` over the joints, and what all
+forces leave together comes outward as accelerations. Rows that follow from others, as those of plane loops of hinges,
+are left out: in a pivoted factorization of S they leave nothing.
 """
 
 from __future__ import annotations
@@ -27,6 +28,7 @@ from heavylift.numerics.vectors import (
     scaled,
     subtract,
     vector,
+    vector_at,
 )
 from heavylift.solver.integrate.trees.forest import (
     BALL,
@@ -73,66 +75,63 @@ def _exert(forest: Forest, row: LoopRow, side: int, body: int) -> tuple[Vector, 
     return force, add(moment, cross(one.to_centre, force))
 
 
-@kernel(inline=True, internal=True)
-def _push(one: TreeBody, force: Any, moment: Any) -> None:
-    """Take a force and a moment on a body as biases."""
-    for k in range(3):
-        one.row_moment[k] -= moment[k]
-        one.row_force[k] -= force[k]
-
-
-@kernel(inline=True, internal=True)
-def _rest(one: TreeBody) -> None:
-    """No force of a row."""
-    put(one.row_moment, ZERO)
-    put(one.row_force, ZERO)
-    one.row_drive = 0.0
-
-
 @kernel(internal=True)
-def _answer(forest: Forest, row: LoopRow, out: int) -> None:
-    """Accelerations of the coordinates by a unit force of a row: inward along its paths, outward over its trees."""
-    for i in range(row.first, row.last):
-        _rest(forest.bodies[i])
-    for i in range(row.second, row.end):
-        _rest(forest.bodies[i])
-    if row.a >= 0:
-        _push(forest.bodies[row.a], row.force_a, row.moment_a)
-    if row.b >= 0:
-        _push(forest.bodies[row.b], row.force_b, row.moment_b)
-    for place in range(row.path, row.path_end):
-        one = forest.bodies[forest.paths[place]]
-        joint, n, f = one.joint, vector(one.row_moment), vector(one.row_force)
-        if joint <= SLIDER:
-            u = -dot(one.along, n) if joint == HINGE else -dot(one.along, f)
-            one.row_drive = u
-            n = add_scaled(n, u * one.compliance, one.hinge_moment)
-            f = add_scaled(f, u * one.compliance, one.hinge_force)
-        elif joint >= BALL:
-            f = subtract(f, rotate_back(one.B, times(one.inverse, n)))
-            n = ZERO
-            put(one.row_force, f)
-            if joint == DISTANCE:
-                u = dot(times(one.inverse_mass, one.along), f)
-                one.row_drive = u
-                f = scaled(u * one.compliance, one.along)
-        if one.parent >= 0:
-            above = forest.bodies[one.parent]
-            n = add(n, cross(one.arm, f))
-            for k in range(3):
-                above.row_moment[k] += n[k]
-                above.row_force[k] += f[k]
-    values = forest.answers
-    for i in range(row.first, row.last):
-        _accelerate(forest, forest.bodies[i], values, out)
-    for i in range(row.second, row.end):
-        _accelerate(forest, forest.bodies[i], values, out)
+def _leave(forest: Forest, body: int, first: int, last: int) -> None:
+    """Take forces of rows of one joint on a body inward, and add what they leave to the answers.
+
+    Rows go side by side: each by itself would wait for its own results.
+    """
+    values, order, width = forest.answers, forest.order, forest.velocities
+    weighted = forest.loops.shape[0] * width
+    while body >= 0:
+        one = forest.bodies[body]
+        body = one.parent
+        for i in range(first, last):
+            row = forest.loops[order[i]]
+            line = i * width + one.speed
+            n, f = _pass_on(one, vector(row.moment), vector(row.force), values, line, weighted + line)
+            put(row.moment, add(n, cross(one.arm, f)))
+            put(row.force, f)
 
 
 @kernel(inline=True, internal=True)
-def _accelerate(forest: Forest, one: TreeBody, values: Floats1, out: int) -> None:
-    """Accelerations of a body by the force of a row."""
-    joint, speed = one.joint, out + one.speed
+def _pass_on(
+    one: TreeBody, n: Vector, f: Vector, values: Floats1, line: int, by: int
+) -> tuple[Vector, Vector]:
+    """What a joint passes on of a moment and a force on its body; u and d u of its coordinates to the answers."""
+    joint = one.joint
+    if joint <= SLIDER:
+        u = -dot(one.along, n) if joint == HINGE else -dot(one.along, f)
+        part = u * one.compliance
+        values[line] += u
+        values[by] += part
+        return add_scaled(n, part, one.hinge_moment), add_scaled(f, part, one.hinge_force)
+    if joint == FIXED:
+        return n, f
+    turned = times(one.inverse, n)
+    f = subtract(f, rotate_back(one.B, turned))
+    if joint != BALL:
+        moved = times(one.inverse_mass, f)
+        passed = f
+        if joint == DISTANCE:
+            part = one.compliance * dot(one.along, moved)
+            moved = add_scaled(moved, -part, times(one.inverse_mass, one.along))
+            passed = scaled(part, one.along)
+        for k in range(3):
+            values[line + k] += f[k]
+            values[by + k] += moved[k]
+        f, line, by = passed, line + 3, by + 3
+    for k in range(3):
+        values[line + k] += n[k]
+        values[by + k] += turned[k]
+    return ZERO, f
+
+
+@kernel(inline=True, internal=True)
+def _accelerate(forest: Forest, one: TreeBody, u: int, values: Floats1, out: int) -> None:
+    """Add the accelerations of a body by what forces of rows leave at its joint, which stands in the answers."""
+    joint, speed, left = one.joint, out + one.speed, forest.answers
+    u += one.speed
     alpha, a = ZERO, ZERO
     if one.parent >= 0:
         above = forest.bodies[one.parent]
@@ -140,26 +139,30 @@ def _accelerate(forest: Forest, one: TreeBody, values: Floats1, out: int) -> Non
         a = add(a, cross(alpha, one.arm))
     if joint >= BALL:
         if joint == FLOATING:
-            a = scaled(-1.0, times(one.inverse_mass, one.row_force))
+            a = scaled(-1.0, times(one.inverse_mass, vector_at(left, u)))
         elif joint == DISTANCE:
-            pull = one.compliance * (one.row_drive + dot(one.along, a))
-            after = times(one.inverse_mass, add_scaled(scaled(-1.0, one.row_force), pull, one.along))
+            f = vector_at(left, u)
+            drive = dot(one.along, times(one.inverse_mass, f))
+            pull = one.compliance * (drive + dot(one.along, a))
+            after = times(one.inverse_mass, add_scaled(scaled(-1.0, f), pull, one.along))
             for k in range(3):
-                values[speed + k] = (after[k] - a[k]) / one.length
+                values[speed + k] += (after[k] - a[k]) / one.length
             a = after
-        alpha = scaled(-1.0, times(one.inverse, add(rotate(one.B, a), one.row_moment)))
+        if joint != BALL:
+            u += 3
+        alpha = scaled(-1.0, times(one.inverse, add(rotate(one.B, a), vector_at(left, u))))
         if joint == FLOATING:
             centre = add(a, cross(alpha, one.to_centre))
             for k in range(3):
-                values[speed + k] = centre[k]
+                values[speed + k] += centre[k]
         turned = rotate_back(one.R, alpha)
         if joint != BALL:
             speed += 3
         for k in range(3):
-            values[speed + k] = turned[k]
+            values[speed + k] += turned[k]
     elif joint != FIXED:
-        rate = one.compliance * (one.row_drive - dot(one.hinge_moment, alpha) - dot(one.hinge_force, a))
-        values[speed] = rate
+        rate = one.compliance * (left[u] - dot(one.hinge_moment, alpha) - dot(one.hinge_force, a))
+        values[speed] += rate
         if joint == HINGE:
             alpha = add_scaled(alpha, rate, one.along)
         else:
@@ -200,15 +203,9 @@ def row_acceleration(forest: Forest, row: LoopRow, gravity: Vector) -> float:
     return total
 
 
-@kernel(inline=True, internal=True)
-def _moves(row: LoopRow, body: int) -> bool:
-    """Whether a body is in a tree that a row moves."""
-    return row.first <= body < row.last or row.second <= body < row.end
-
-
 @kernel(internal=True)
 def answer_rows(forest: Forest, of_all: bool) -> None:
-    """X and S of the rows that are kept, or of all, in their order; S above its diagonal and below."""
+    """What the rows that are kept, or all, leave at the joints, in their order, and S above its diagonal and below."""
     order, every, width = forest.order, forest.loops.shape[0], forest.velocities
     count = 0
     for i in range(every):
@@ -223,19 +220,35 @@ def answer_rows(forest: Forest, of_all: bool) -> None:
             put(row.force_b, force)
             put(row.moment_b, moment)
     order[every] = count
-    values, S = forest.answers, every * width
+    values, weighted, S = forest.answers, every * width, 2 * every * width
+    for k in range(count * width):
+        values[k] = values[weighted + k] = 0.0
+    first = 0
+    while first < count:
+        row = forest.loops[order[first]]
+        last = first + 1
+        while last < count and forest.loops[order[last]].block == row.block:
+            last += 1
+        for i in range(first, last):
+            one = forest.loops[order[i]]
+            put(one.moment, scaled(-1.0, one.moment_a))
+            put(one.force, scaled(-1.0, one.force_a))
+        _leave(forest, row.a, first, last)
+        for i in range(first, last):
+            one = forest.loops[order[i]]
+            put(one.moment, scaled(-1.0, one.moment_b))
+            put(one.force, scaled(-1.0, one.force_b))
+        _leave(forest, row.b, first, last)
+        first = last
     for i in range(count):
-        row = forest.loops[order[i]]
-        _answer(forest, row, i * width)
-        for j in range(i, count):
-            other = forest.loops[order[j]]
-            total = 0.0
-            if _moves(row, other.a):
-                one = forest.bodies[other.a]
-                total += dot(other.force_a, one.row_a) + dot(other.moment_a, one.row_alpha)
-            if _moves(row, other.b):
-                one = forest.bodies[other.b]
-                total += dot(other.force_b, one.row_a) + dot(other.moment_b, one.row_alpha)
+        row, by = forest.loops[order[i]], weighted + i * width
+        first, last, second, end = row.first, row.last, row.second, row.end
+        for j in range(i + 1):
+            total, line = 0.0, j * width
+            for k in range(first, last):
+                total += values[line + k] * values[by + k]
+            for k in range(second, end):
+                total += values[line + k] * values[by + k]
             values[S + i * count + j] = values[S + j * count + i] = total
 
 
@@ -244,7 +257,7 @@ def choose_rows(forest: Forest) -> None:
     """Keep the rows that leave most of themselves, one after the other, until the rest follows from them."""
     answer_rows(forest, True)
     count = forest.loops.shape[0]
-    S, at, G = forest.answers, count * forest.velocities, forest.rows.rows
+    S, at, G = forest.answers, 2 * count * forest.velocities, forest.rows.rows
     for i in range(count):
         forest.loops[i].kept = 0
     for _ in range(count):
@@ -270,7 +283,7 @@ def choose_rows(forest: Forest) -> None:
 def factor_loops(forest: Forest) -> None:
     """``L D L^T`` of the softened S, below its diagonal."""
     order, every = forest.order, forest.loops.shape[0]
-    count, S, at = order[every], forest.answers, every * forest.velocities
+    count, S, at = order[every], forest.answers, 2 * every * forest.velocities
     for i in range(count):
         row = forest.loops[order[i]]
         line = at + i * count
@@ -293,7 +306,7 @@ def factor_loops(forest: Forest) -> None:
 def solve_loops(forest: Forest) -> None:
     """Forces of the rows that are kept from their targets, by the factor and a refinement by S."""
     order, every = forest.order, forest.loops.shape[0]
-    count, S, at = order[every], forest.answers, every * forest.velocities
+    count, S, at = order[every], forest.answers, 2 * every * forest.velocities
     for i in range(count):
         row = forest.loops[order[i]]
         row.pull, row.rest = 0.0, row.target
@@ -323,21 +336,18 @@ def solve_loops(forest: Forest) -> None:
 
 @kernel(internal=True)
 def add_answers(forest: Forest, values: Floats1, out: int) -> None:
-    """``a += X l``."""
-    order = forest.order
-    for i in range(order[forest.loops.shape[0]]):
-        row, line = forest.loops[order[i]], i * forest.velocities
-        for k in range(forest.bodies[row.first].speed, _speed_at(forest, row.last)):
-            values[out + k] += row.pull * forest.answers[line + k]
-        if row.end > row.second:
-            for k in range(forest.bodies[row.second].speed, _speed_at(forest, row.end)):
-                values[out + k] += row.pull * forest.answers[line + k]
-
-
-@kernel(inline=True, internal=True)
-def _speed_at(forest: Forest, body: int) -> int:
-    """Place of the velocities of a body, or behind those of the last one."""
-    return forest.bodies[body].speed if body < forest.bodies.shape[0] else forest.velocities
+    """``a += M^-1 G^T l``: what all forces leave together, outward."""
+    order, every, width = forest.order, forest.loops.shape[0], forest.velocities
+    left = forest.answers
+    together = every * (2 * width + every)
+    for k in range(width):
+        left[together + k] = 0.0
+    for i in range(order[every]):
+        pull = forest.loops[order[i]].pull
+        for k in range(width):
+            left[together + k] += pull * left[i * width + k]
+    for i in range(forest.bodies.shape[0]):
+        _accelerate(forest, forest.bodies[i], together, values, out)
 
 
 @kernel(internal=True)
