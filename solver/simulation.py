@@ -232,6 +232,7 @@ class Simulation:
         self._lone = None if self.operation is None else LoneExtremes(self.channels)
         self._return, self._heard = ReturnPoint(), 0
         self._views: tuple[Any, dict[str, NDArray[Any]]] = (None, {})
+        self._counts = True
         self._calls: tuple[Any, Callable[..., Any], Callable[..., Any]] = (None, self._run, write_record)
         self._compiled = self._warm = False
         self._started = False
@@ -541,7 +542,8 @@ class Simulation:
         self.warm_up()
         row = np.empty(self.column_count)
         self._write(row)
-        self._return.forget()  # whole turns are counted from record to record
+        if self._counts:  # whole turns, from record to record
+            self._return.forget()
         return row
 
     def advance(self, steps: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -625,6 +627,9 @@ class Simulation:
                 from heavylift.solver.integrate.trees.forest import stepped
 
                 scene = stepped(layout)
+                self._counts = scene[3] is layout.systems or any(
+                    words.size for kind in (*scene[1], *scene[2]) for _, words in carried_words(kind)
+                )
             self._calls = layout, self._run.with_first(*scene), write_record.with_first(*scene)
         return self._calls[1:]
 

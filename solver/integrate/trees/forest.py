@@ -113,6 +113,8 @@ class TreeBody(Record, whole_lines=True):
         Axes of the joint frame of b in principal axes of b.
     mass, inertia, reach, length
         [kg]; principal [kg m2]; distance of what is attached, and that of a distance joint [m].
+    cosine, sine
+        Of half the angle of a hinge.
     R, q
         Rotation of the principal axes.
     arm, along, moving, to_centre
@@ -158,6 +160,8 @@ class TreeBody(Record, whole_lines=True):
     x: Vector
     y: Vector
     inertia: Vector
+    cosine: float
+    sine: float
     R: Matrix9
     q: Quaternion
     arm: Vector

@@ -143,6 +143,11 @@ def rotation_of(q: tuple[float, float, float, float]) -> Nine:
 def pose_outward(forest: Forest, values: Floats1, at: int) -> None:
     """Rotations, arms and spins; each body's own inertia and bias about its joint point."""
     places = at + forest.velocities
+    for i in range(forest.bodies.shape[0]):  # all together: calls of functions wait for no other body here
+        one = forest.bodies[i]
+        if one.joint == HINGE:
+            half = 0.5 * values[places + one.place]
+            one.cosine, one.sine = math.cos(half), math.sin(half)
     for i in range(forest.bodies.shape[0]):
         one = forest.bodies[i]
         joint, place, speed = one.joint, places + one.place, at + one.speed
@@ -161,8 +166,8 @@ def pose_outward(forest: Forest, values: Floats1, at: int) -> None:
             if one.turned:
                 q = quaternion_product(q, (one.turn[0], one.turn[1], one.turn[2], one.turn[3]))
             if joint == HINGE:
-                half, sine = 0.5 * values[place], math.sin(0.5 * values[place])
-                turn = (math.cos(half), sine * one.axis[0], sine * one.axis[1], sine * one.axis[2])
+                sine = one.sine
+                turn = (one.cosine, sine * one.axis[0], sine * one.axis[1], sine * one.axis[2])
                 q = quaternion_product(q, turn)
         elif joint == BALL:
             q = own_quaternion(values, place)
