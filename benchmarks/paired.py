@@ -82,7 +82,7 @@ def label(words: str, rows: list[list[float]]) -> str:
 
 def folder_of(python: str) -> Path:
     """Folder with the benchmarks of an installation: its own if it is one of sources, whose internals they call."""
-    words = [python, "-c", "import heavylift; print(heavylift.__path__[0])"]
+    words = [python, "-P", "-c", "import heavylift; print(heavylift.__path__[0])"]
     made = subprocess.run(words, capture_output=True, text=True, check=True)
     own = Path(made.stdout.strip()).parent / FOLDER.name
     return own if own.is_dir() else FOLDER
