@@ -20,7 +20,7 @@ from heavylift.contours.splines.search_step import ContourSearch
 from heavylift.contours.triangles.surface_layout import RelativePose
 from heavylift.numerics.arrays import Arrays, Floats1, Floats2, Ints1, Ints2
 from heavylift.numerics.lanes import block_shape
-from heavylift.numerics.records import Matrix3, Record, Records, Vector
+from heavylift.numerics.records import Matrix3, Quaternion, Record, Records, Vector, Vector6
 from heavylift.solver.contact.layout import Problem, RowKind, RowParameters, Solution
 from heavylift.solver.contact.triangles.facet_kind import FacetSurfaces
 from heavylift.solver.contact.triangles.modal_kind import ModalSurfaces
@@ -44,6 +44,8 @@ __all__ = [
     "Features",
     "Reduced",
     "Scratch",
+    "Sleeper",
+    "Slept",
     "StoodPair",
     "Tally",
 ]
@@ -100,6 +102,9 @@ LARGEST_CONTROLS = 1024
 EVALUATION_ROOM = 904
 """Numbers of the scratch of evaluation and search."""
 
+NEVER_MOVES = -1
+"""In place of a body that may sleep: the ground, or a fixed one."""
+
 DENSE = 4
 """Contacts up to which their own matrix is formed where all bodies are rigid."""
 
@@ -126,6 +131,8 @@ class ContactEntry(Record):
         Number of its moving point on a mesh.
     primitive_kind
         Kind of a convex primitive.
+    sleepers
+        Of both sides: 1 + its row in `ContactRows.sleepers`, `NEVER_MOVES`, or 0 of what neither sleeps nor stands.
     """
 
     contour: int
@@ -138,6 +145,7 @@ class ContactEntry(Record):
     events: bool
     slot: int
     primitive_kind: int
+    sleepers: Annotated[NDArray[np.int64], (2,)]
 
 
 class ContactValues(Record):
@@ -502,6 +510,54 @@ class StoodPair(Record):
     still: int
 
 
+class Sleeper(Record):
+    """A free rigid body in contacts between surfaces, which may sleep, see `solve.asleep`.
+
+    Attributes
+    ----------
+    dof, pose, size
+        Its first velocity, row of the pose of a surface of it, and largest distance on that from its origin [m].
+    allowed
+        Whether it may: no joint, rope or other kind of contact has it.
+    load
+        Its accelerations in this step without contacts [m/s2, rad/s2].
+    balanced
+        Whether contacts bear that.
+    group, blocked
+        A body of those that touch each other, and whether that group cannot sleep, while islands are found.
+    """
+
+    dof: int
+    pose: int
+    size: float
+    allowed: bool
+    load: Vector6
+    balanced: bool
+    group: int
+    blocked: bool
+
+
+class Slept(Record):
+    """What is carried of a body that may sleep.
+
+    Attributes
+    ----------
+    pose, load, still
+        Pose and load that it has had for so many whole steps in a row.
+    island
+        0 while it is awake, else the number of its island, from 1 on.
+    position, orientation
+        Of its frame while it sleeps.
+    """
+
+    pose: RelativePose
+    load: Vector6
+    still: int
+    island: int
+    position: Vector
+    orientation: Quaternion
+
+
 class Features(Table):
     """What kinds of contact a scene has."""
 
@@ -602,6 +658,8 @@ class ContactRows(RowArrays):
         number of contacts. Shape (n, 12).
     stood
         Where those pairs have stood still.
+    sleepers, slept
+        Bodies that may sleep, and what is carried of each.
     carried, saved
         All that a step changes in the scene, as one array, and its copy.
     """
@@ -621,6 +679,7 @@ class ContactRows(RowArrays):
         "state",
         "placed",
         "stood",
+        "slept",
     )
 
     features: Features
@@ -656,5 +715,7 @@ class ContactRows(RowArrays):
     modal: ModalSurfaces
     placed: Floats2
     stood: Records[StoodPair]
+    sleepers: Records[Sleeper]
+    slept: Records[Slept]
     carried: Floats1
     saved: Floats1

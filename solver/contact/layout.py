@@ -127,13 +127,14 @@ class Marks(Record):
         Whether masses are in the rows.
     near_diagonal
         Whether the factors are those without exchange of rows.
-    scale
-        Largest rate without impulses or by what the step has given before [m/s].
+    scale, free
+        Largest rate without impulses or by what the step has given before [m/s], and largest rate without impulses.
     """
 
     unit_mass: bool
     near_diagonal: bool
     scale: float
+    free: float
 
 
 class Work(Arrays):

@@ -38,6 +38,7 @@ from heavylift.solver.contact.kind import (
     Features,
     Reduced,
     Scratch,
+    Slept,
     StoodPair,
     Tally,
 )
@@ -267,6 +268,8 @@ def _kind(
     reduced.units[factored] = 2 * (count + np.arange(len(factored)))
     if rigid_only:
         reduced.joined[linked["dof"][linked["holder"] != PRESCRIBED]] = 1
+    sleepers = collided.sleepers
+    sleepers["allowed"] &= ~np.isin(sleepers["dof"], [*linked["dof"], *(side.dof for side in sides)])
     control = Events.one()
     control.watched = control.joins = -1
     return ContactRows(
@@ -308,6 +311,8 @@ def _kind(
         modal=collided.modal,
         placed=collided.placed,
         stood=records(StoodPair, sum(len(meshes.pairs) for meshes in collided.meshes)),
+        sleepers=collided.sleepers,
+        slept=records(Slept, len(collided.sleepers)),
         carried=np.zeros(0),
         saved=np.zeros(0),
     )

@@ -20,6 +20,7 @@ from heavylift.solver.contact.interface import bound_motion, pose_contours, sett
 from heavylift.solver.contact.kind import COMPLIANT, CURVE, RIGID, TRIANGLES, ContactRows
 from heavylift.solver.contact.laws.normal_force import stored_energy
 from heavylift.solver.contact.search.contact_kinematics import locate
+from heavylift.solver.contact.solve.asleep import hold_places, let_sleep, note_balance, rests, wake_reached
 from heavylift.solver.contact.solve.delassus import contact_rates
 from heavylift.solver.contact.solve.stage import NEAR, looks_ahead, slip_energy
 from heavylift.solver.contact.system_interface import after_step, before_advance, go_back
@@ -75,9 +76,11 @@ def before_contact_advance(contacts: ContactRows, bodies: Bodies, work: Workspac
     add_row_work(bodies, 2.0, work, contacts)
     bound_motion(bodies, contacts, step, work)
     contacts.control.stopping_work = 0.0
+    note_balance(contacts, work, step)
     for c in range(contact_count(contacts)):
-        _book_middle(contacts, c, work, step)
-        contacts.state[c].shift = _shift(contacts, c, work, step)
+        if not rests(contacts, c):
+            _book_middle(contacts, c, work, step)
+            contacts.state[c].shift = _shift(contacts, c, work, step)
 
 
 @kernel(internal=True)
@@ -153,6 +156,7 @@ def end_contact_rows(
 ) -> None:
     """Search where a gap may have closed; ask for a shorter step if one without compliance has."""
     posed = False
+    hold_places(contacts, bodies)
     for c in range(contacts.counts.of_contours):
         state = contacts.state[c]
         asleep, steady = state.sleep > 0.0, state.located
@@ -184,6 +188,9 @@ def end_contact_rows(
             pose_contours(bodies, False, contacts)
             posed = True
         search_surfaces(contacts.meshes, contacts, bodies, work, step, False)
+        if wake_reached(contacts):
+            work.control.split = step  # again, with what has slept until now
+            return
         _repeat_with_found(contacts, work, step)
     if posed:
         settle_points(bodies, (), False, work)
@@ -197,6 +204,8 @@ def _repeat_with_found(contacts: ContactRows, work: Workspace, step: float) -> N
     So has what was near, but not so near that its surfaces could have met as they moved before.
     """
     for c in range(contacts.counts.of_contours, contact_count(contacts)):
+        if rests(contacts, c):
+            continue
         early = looks_ahead(contacts, c) or contacts.table[c].law == COMPLIANT
         if c < contacts.control.known:
             early = contacts.table[c].law == RIGID and not contacts.table[c].events
@@ -270,6 +279,8 @@ def _find_impact(contacts: ContactRows, work: Workspace, step: float) -> None:
         state = contacts.state[c]
         if contacts.table[c].law != RIGID or not contacts.table[c].events or state.closed:
             continue
+        if rests(contacts, c):
+            continue
         if state.passed > 0.0 and state.end_gap > 0.0 and state.recent_impacts < MOST_EVENTS:
             passing = min(passing, state.passed * step)
         if state.end_gap > 0.0 or state.recent_impacts >= MOST_EVENTS:
@@ -327,7 +338,8 @@ def _mark_joining(contacts: ContactRows, step: float, work: Workspace) -> None:
     for c in range(contacts.counts.of_contours, contact_count(contacts)):
         state = contacts.state[c]
         joins = False
-        if contacts.table[c].law == RIGID and contacts.table[c].events and not state.closed:
+        moves = not state.closed and not rests(contacts, c)
+        if contacts.table[c].law == RIGID and contacts.table[c].events and moves:
             rate = contact_rates(contacts, c, work.velocity)[0]
             inside = state.end_gap < -gap_tolerance(contacts, c, rate)
             joins = inside and not _hits_at_once(contacts, c) and _never_leaves(contacts, c, step, rate)
@@ -391,6 +403,7 @@ def after_contact_step(
     control.watched = -1
     control.low = control.high = 0.0
     if whole:
+        let_sleep(contacts, bodies)
         control.splits = 0
         control.effort = 0.0
         if control.exhausted:

@@ -49,6 +49,12 @@ REFINED = 1e-8
 NO_GAIN = 1e-13
 """Residual below which a correction that gains nothing is taken for rounding, relative as above."""
 
+AT_REST = 2e-11
+"""Residual of impulses to begin with, below which they are a solution, relative to rates without impulses alone.
+
+So are the forces of what stands then, however heavy it is. Relative to what impulses do, which with masses a million
+times apart is a million times more, forces of the heavy body would be off by as much."""
+
 REFINEMENTS = 6
 """Most corrections of an accepted solution."""
 
@@ -274,7 +280,8 @@ def iterate(
     while True:
         residual, scale, _ = _evaluate(problem, work, p)
         relative = residual / scale if scale > 0.0 else residual
-        if relative <= accepted and (accepted > ACCEPTED or step <= REFINED):
+        known = iteration == 0 and residual <= AT_REST * work.marks.free
+        if relative <= accepted and (accepted > ACCEPTED or step <= REFINED or known):
             return True, iteration, relative
         if relative <= accepted and relative < best:
             gain = relative < 0.5 * best

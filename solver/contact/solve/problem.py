@@ -72,14 +72,15 @@ def prepare(problem: Problem, work: Work) -> None:
                 work.y0[i] = problem.start[i]
     _find_diagonal(problem, work)
     spread(count, ends, problem.blocks, size, problem.start, work.w0)
-    scale = problem.counts.least_rate
+    scale, free = problem.counts.least_rate, problem.counts.free_rate
     for c in range(count):
         i = 3 * c
-        scale = max(scale, abs(work.w0[i]), abs(work.w0[i + 1]), abs(work.w0[i + 2]))
+        rate = max(abs(work.w0[i]), abs(work.w0[i + 1]), abs(work.w0[i + 2]))
+        scale, free = max(scale, rate), max(free, rate)
         o = problem.parameters[c]  # what the step has given before counts like what is asked for now
         scale = max(scale, abs(o.offset[0]) * work.diagonal[2 * c])
         scale = max(scale, max(abs(o.offset[1]), abs(o.offset[2])) * work.diagonal[2 * c + 1])
-    marks.scale = scale
+    marks.scale, marks.free = scale, free
 
 
 @kernel(internal=True, reassociate=True)
