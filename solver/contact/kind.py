@@ -42,6 +42,7 @@ __all__ = [
     "Counts",
     "Events",
     "Features",
+    "HeldContact",
     "Reduced",
     "Scratch",
     "Sleeper",
@@ -558,6 +559,13 @@ class Slept(Record):
     orientation: Quaternion
 
 
+class HeldContact(Record):
+    """Of a contact when a step began: whether it was at rest, and the sum of its impulses [N s]."""
+
+    rests: bool
+    impulse: float
+
+
 class Features(Table):
     """What kinds of contact a scene has."""
 
@@ -660,8 +668,8 @@ class ContactRows(RowArrays):
         Where those pairs have stood still.
     sleepers, slept
         Bodies that may sleep, and what is carried of each.
-    carried, saved
-        All that a step changes in the scene, as one array, and its copy.
+    held, carried, saved
+        What is kept of contacts apart; all that a step changes in the scene, as one array, and its copy.
     """
 
     shape: ClassVar[Any] = block_shape(3)
@@ -717,5 +725,6 @@ class ContactRows(RowArrays):
     stood: Records[StoodPair]
     sleepers: Records[Sleeper]
     slept: Records[Slept]
+    held: Records[HeldContact]
     carried: Floats1
     saved: Floats1

@@ -36,6 +36,7 @@ from heavylift.solver.contact.kind import (
     Counts,
     Events,
     Features,
+    HeldContact,
     Reduced,
     Scratch,
     Slept,
@@ -313,6 +314,7 @@ def _kind(
         stood=records(StoodPair, sum(len(meshes.pairs) for meshes in collided.meshes)),
         sleepers=collided.sleepers,
         slept=records(Slept, len(collided.sleepers)),
+        held=records(HeldContact, count),
         carried=np.zeros(0),
         saved=np.zeros(0),
     )

@@ -14,7 +14,7 @@ from __future__ import annotations
 import math
 
 from heavylift.numerics.jit import kernel
-from heavylift.solver.contact.copying import copy_carried
+from heavylift.solver.contact.copying import put_back, save
 from heavylift.solver.contact.counts import contact_count
 from heavylift.solver.contact.interface import bound_motion, pose_contours, settle_points
 from heavylift.solver.contact.kind import COMPLIANT, CURVE, RIGID, TRIANGLES, ContactRows
@@ -71,8 +71,7 @@ def gap_tolerance(contacts: ContactRows, c: int, rate: float) -> float:
 @kernel(internal=True)
 def before_contact_advance(contacts: ContactRows, bodies: Bodies, work: Workspace, step: float) -> None:
     """Copy of the state; then what the contacts do at the velocities of the middle."""
-    contacts.control.known = contact_count(contacts)
-    copy_carried(contacts, contacts.carried, contacts.saved)
+    save(contacts)
     add_row_work(bodies, 2.0, work, contacts)
     bound_motion(bodies, contacts, step, work)
     contacts.control.stopping_work = 0.0
@@ -379,7 +378,7 @@ def _next_time(contacts: ContactRows, work: Workspace, step: float) -> None:
 def go_back_to_copy(contacts: ContactRows) -> None:
     """All that the step has changed; a contact that touches joins the closed ones."""
     keep_found(contacts.meshes, contacts, True)
-    copy_carried(contacts, contacts.saved, contacts.carried)
+    put_back(contacts)
     keep_found(contacts.meshes, contacts, False)
     joins = contacts.control.joins
     if joins >= 0:
