@@ -594,6 +594,8 @@ class Reduced(Arrays):
         panels through the inverse mass are the columns of that, three each; else -1.
     joined
         Of each velocity that a body begins with: 1 if rows of joints or ropes reach it, so that it feels others.
+    of_bodies, of_contacts
+        Scratch of islands, two rows each: by velocity and by contact.
     """
 
     problem: Problem
@@ -606,6 +608,8 @@ class Reduced(Arrays):
     velocities: Ints1
     units: Ints1
     joined: Ints1
+    of_bodies: Ints2
+    of_contacts: Ints2
 
 
 class ContactRows(RowArrays):

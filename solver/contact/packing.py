@@ -350,6 +350,8 @@ def _reduced(dense: layout.Problem, contact_count: int, size: int, velocity_coun
         velocities=np.zeros(size, dtype=np.int64),
         units=np.full(velocity_count, -1, dtype=np.int64),
         joined=np.zeros(velocity_count, dtype=np.int64),
+        of_bodies=np.zeros((2, velocity_count), dtype=np.int64),
+        of_contacts=np.zeros((2, contact_count), dtype=np.int64),
     )
 
 

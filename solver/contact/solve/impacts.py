@@ -30,6 +30,7 @@ from heavylift.solver.contact.solve.stage import (
     slip_energy,
     softness_of,
     solve_present,
+    sort_contacts,
 )
 from heavylift.solver.contact.system_interface import follow
 from heavylift.solver.contact.triangles.interface import place_surfaces, watch_pairs
@@ -162,6 +163,7 @@ def _project(
     contacts.counts.present = count
     if count == 0:
         return True
+    sort_contacts(contacts, count)
     apply_inverse(bodies, False, contacts)
     for j in range(count):
         _tell_end(contacts, j, smooth, work)

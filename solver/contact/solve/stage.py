@@ -29,7 +29,7 @@ from heavylift.solver.contact.search.search_end import judge_searches, mark_fail
 from heavylift.solver.contact.solve.asleep import note_loads, rests, stop_asleep, wake_touched
 from heavylift.solver.contact.solve.delassus import assemble_delassus, contact_rates, own_response, push
 from heavylift.solver.contact.solve.newton import solve_contacts
-from heavylift.solver.contact.solve.reduced import assemble_reduced, solve_reduced
+from heavylift.solver.contact.solve.reduced import assemble_reduced, solve_reduced, sort_by_islands
 from heavylift.solver.contact.system_interface import follow
 from heavylift.solver.contact.triangles.interface import pose_surfaces
 from heavylift.solver.interface import (
@@ -54,6 +54,7 @@ __all__ = [
     "slip_energy",
     "slip_stiffness",
     "solve_present",
+    "sort_contacts",
 ]
 
 CONTACT_ROUNDS = 50
@@ -179,6 +180,7 @@ def solve_contact_midpoint(
     contacts.counts.present = count
     if count == 0:
         return
+    sort_contacts(contacts, count)
     judge_searches(contacts, False, work)
     settle_points(bodies, rows, True, work)
     apply_inverse(bodies, True, contacts)
@@ -224,6 +226,13 @@ def _settle(
 def _on_velocities(contacts: ContactRows, count: int) -> bool:
     """Whether the contacts that take part are solved on the velocities of their bodies."""
     return contacts.counts.all_rigid and count > DENSE
+
+
+@kernel(internal=True)
+def sort_contacts(contacts: ContactRows, count: int) -> None:
+    """Those that act on each other stand together, where each group of them is solved by itself."""
+    if _on_velocities(contacts, count):
+        sort_by_islands(contacts, count)
 
 
 @kernel(internal=True)
