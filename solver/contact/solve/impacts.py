@@ -20,6 +20,7 @@ from heavylift.solver.contact.kind import BILATERAL, COMPLIANT, CURVE, RIGID, TR
 from heavylift.solver.contact.laws.normal_force import normal_force, stored_energy
 from heavylift.solver.contact.laws.restitution import bound_restitution
 from heavylift.solver.contact.search.search_end import judge_searches
+from heavylift.solver.contact.solve.asleep import rests, stop_asleep
 from heavylift.solver.contact.solve.delassus import contact_rates
 from heavylift.solver.contact.solve.events import CLOSE, MOST_EVENTS, SHORTEST, gap_tolerance
 from heavylift.solver.contact.solve.stage import (
@@ -29,6 +30,7 @@ from heavylift.solver.contact.solve.stage import (
     slip_energy,
     softness_of,
     solve_present,
+    sort_contacts,
 )
 from heavylift.solver.contact.system_interface import follow
 from heavylift.solver.contact.triangles.interface import place_surfaces, watch_pairs
@@ -95,8 +97,11 @@ def solve_contact_end(
     the impulses that have borne it until then.
     """
     contacts.control.time = time + step
+    stop_asleep(contacts, work.velocity)
     closed, hits = 0, 0
     for c in range(contact_count(contacts)):
+        if rests(contacts, c):
+            continue
         state = contacts.state[c]
         impulse = contacts.rows[c].impulse
         for r in range(3):
@@ -152,12 +157,13 @@ def _project(
             and contacts.values[c].friction > 0.0
             and contacts.table[c].shape_kind != TRIANGLES  # there friction yields
         )
-        if state.closed or (hits and state.new) or rubs:
+        if (state.closed or (hits and state.new) or rubs) and not rests(contacts, c):
             contacts.present[count] = c
             count += 1
     contacts.counts.present = count
     if count == 0:
         return True
+    sort_contacts(contacts, count)
     apply_inverse(bodies, False, contacts)
     for j in range(count):
         _tell_end(contacts, j, smooth, work)
@@ -242,7 +248,12 @@ def close_contact_step(
     add_row_work(bodies, 1.0, work, contacts)
     judge_searches(contacts, True, work)
     for c in range(contact_count(contacts)):
-        _close_one(contacts, c, step, work)
+        if rests(contacts, c):
+            state = contacts.state[c]
+            state.step_impulse = step * state.middle_force[0]
+            state.impulse += state.step_impulse
+        else:
+            _close_one(contacts, c, step, work)
     interval = work.control.interval
     # what keeps a contact without compliance closed is an impulse: over a part of a cut step it is no force
     contacts.control.uncut = step >= UNCUT * contacts.control.nominal_step
