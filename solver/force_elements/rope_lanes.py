@@ -15,6 +15,7 @@ from typing import Any
 
 from llvmlite import ir
 from numba.core import cgutils, types
+from numba.core.types.containers import UniTuple
 from numba.extending import intrinsic
 
 from heavylift.numerics.arrays import rebuild_array
@@ -253,7 +254,7 @@ def _on_group(numbers: Any, write: Callable[[_Group], Any], *, tells: bool = Fal
         found = write(_Group(code, place))
         return [found] if tells else None
 
-    returns = types.UniTuple(types.float64, 1) if tells else types.void
+    returns: Any = UniTuple(types.float64, 1) if tells else types.void
     return vector_code((numbers,), (0,), with_group, lanes=LANES, returns=returns)
 
 
