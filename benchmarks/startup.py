@@ -340,7 +340,7 @@ def main() -> None:
     if options.missing:
         print(json.dumps([unit.name for unit in missing()]))
         return
-    from heavylift.numerics.jit import cache_root
+    from heavylift.numerics.sources import cache_root
 
     parts = options.part or PARTS
     with tempfile.TemporaryDirectory() as name:
