@@ -35,6 +35,7 @@ from heavylift.solver.stop_message import (
     energy_remedy,
     force_warning,
     hull_warning,
+    loop_warning,
     mesh_warning,
     stop_message,
 )
@@ -110,6 +111,8 @@ class Simulation:
         that of the last good step.
     operation
         Its scenario on its way, with its log; None without one.
+    stop_asked
+        Asked where a call of the integrator comes back before its end: whether `advance` is to do so too.
     ended
         Whether its scenario has ended it, with all phases done: time goes no further.
     cpu_seconds, start_seconds, compile_seconds
@@ -207,6 +210,7 @@ class Simulation:
         self.message = ""
         self.ended = False
         self.operation: Operation | None = None
+        self.stop_asked: Callable[[], object] = bool
         if scene.scenario is not None:
             from heavylift.solver.scenario.operation import Operation
 
@@ -552,7 +556,7 @@ class Simulation:
         Parameters
         ----------
         steps
-            Fewer are made if the simulation stops by itself; see `outcome`.
+            Fewer are made if the simulation stops by itself, see `outcome`, or is asked to, see `stop_asked`.
 
         Returns
         -------
@@ -577,7 +581,7 @@ class Simulation:
             self._return.take(self._arrays_in_use, first, self.cpu_seconds)
             self._heard = heard
         begin = clock.thread_time()
-        done = self._call(first, last, every, records)
+        done = self._call(first, last, every, records, self.stop_asked)
         self.cpu_seconds += clock.thread_time() - begin
         self.step_index = int(done)
         status = int(self._layout.work.status.outcome)
@@ -585,7 +589,7 @@ class Simulation:
             self.outcome, self.message = self.operation.end  # behind a step that is good
             self.ended = self.outcome is Outcome.COMPLETED
             self._layout.work.status.words[:] = 0.0
-        elif done < last:
+        elif status != 0:
             self._stop()
             self._back_to(first, done, records)
         count = int(done) // every - first // every
@@ -633,8 +637,21 @@ class Simulation:
             self._calls = layout, self._run.with_first(*scene), write_record.with_first(*scene)
         return self._calls[1:]
 
-    def _call(self, first: int, last: int, every: int, records: NDArray[np.float64]) -> int:
-        return int(self._entries[0](self.step, self.tolerance, first, last, every, records))
+    def _call(
+        self,
+        first: int,
+        last: int,
+        every: int,
+        records: NDArray[np.float64],
+        stop: Callable[[], object] = bool,
+    ) -> int:
+        """Last step that was completed, with its records; a call that has come back before goes on unless stopped."""
+        status, done = self._layout.work.status, first
+        while True:
+            rows = records[done // every - first // every :]
+            done = int(self._entries[0](self.step, self.tolerance, done, last, every, rows))
+            if done == last or status.outcome != 0 or stop():
+                return done
 
     def _write(self, row: NDArray[np.float64]) -> None:
         self._entries[1](self.time, row)
@@ -689,6 +706,7 @@ class Simulation:
             modes,
             self._watch.warning,
             steps,
+            loop_warning(layout, self.tolerance),
             self._lone_extremes,
             *(look(layout) for look in seen),
         ]

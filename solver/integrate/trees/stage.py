@@ -262,15 +262,16 @@ def _look_at_loops(forest: Forest, integration: Integration, at: int, work: Work
 
 
 @kernel(internal=True)
-def _largest_gap(forest: Forest) -> float:
-    """Of the rows that are left out, relative to one with which a run has failed."""
-    gap = 0.0
+def _largest_gap(forest: Forest) -> tuple[float, float]:
+    """Of the rows that are left out, relative to one with which a run has failed; and in m or rad."""
+    gap = opening = 0.0
     for i in range(forest.loops.shape[0]):
         row = forest.loops[i]
         if not row.kept:
             of_block = forest.rows.rows[row.block]
             gap = max(gap, abs(of_block.rigid[row.row] * of_block.residual[row.row]))
-    return gap
+            opening = max(opening, abs(of_block.residual[row.row]))
+    return gap, opening
 
 
 @kernel(internal=True)
@@ -296,8 +297,11 @@ def _close_loops(forest: Forest, integration: Integration, at: int, work: Worksp
         add_answers(forest, values, rate)
         move_coordinates(forest, values, at, values, rate)
         _look_at_loops(forest, integration, at, work, time)
-        if _largest_gap(forest) < OPEN:
+        gap, opening = _largest_gap(forest)
+        if gap < OPEN:
             break
+        if attempt == CLOSINGS - 1:  # no choice of rows closes all
+            integration.progress.left_open = max(integration.progress.left_open, opening)
     gather_inward(forest)
     answer_rows(forest, False)
     factor_loops(forest)
