@@ -90,8 +90,9 @@ def _leave(forest: Forest, body: int, first: int, last: int) -> None:
             row = forest.loops[order[i]]
             line = i * width + one.speed
             n, f = _pass_on(one, vector(row.moment), vector(row.force), values, line, weighted + line)
-            put(row.moment, add(n, cross(one.arm, f)))
-            put(row.force, f)
+            if body >= 0:
+                put(row.moment, add(n, cross(one.arm, f)))
+                put(row.force, f)
 
 
 @kernel(inline=True, internal=True)
@@ -247,8 +248,9 @@ def answer_rows(forest: Forest, of_all: bool) -> None:
             total, line = 0.0, j * width
             for k in range(first, last):
                 total += values[line + k] * values[by + k]
-            for k in range(second, end):
-                total += values[line + k] * values[by + k]
+            if end > second:
+                for k in range(second, end):
+                    total += values[line + k] * values[by + k]
             values[S + i * count + j] = values[S + j * count + i] = total
 
 
