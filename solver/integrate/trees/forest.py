@@ -419,11 +419,6 @@ def _carries(joint: Joint) -> bool:
     return fits and joint.compliance == 0.0 and getattr(joint, "drive", None) is None
 
 
-def _moves(joint: Joint, names: dict[str, int], free: NDArray[np.bool_]) -> bool:
-    """Whether a joint has a body that is free."""
-    return any(names[name] >= 0 and bool(free[names[name]]) for name in (joint.body_a, joint.body_b))
-
-
 def _plant(joints: Sequence[Joint], layout: Layout, kind: Any) -> Forest | None:
     """Grow trees from the ground, then from the heaviest body of what is left, each as low as it can be.
 
@@ -454,8 +449,6 @@ def _plant(joints: Sequence[Joint], layout: Layout, kind: Any) -> Forest | None:
                     layer.append(child)
     used = {joint.name for _, _, joint in found.values() if joint is not None}
     rest = {block[joint.name] for joint in joints if joint.name not in used}
-    if any(joint.name not in used and not _moves(joint, names, free) for joint in joints):
-        return None
     system = layout.systems[0]
     count = sum(int(np.count_nonzero(system.rows[one].scale)) for one in rest)
     if not used or count > MOST_ROWS or (rest and any(hasattr(one, "profiles") for one in layout.joints)):
