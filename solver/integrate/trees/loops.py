@@ -245,10 +245,11 @@ def answer_rows(forest: Forest, of_all: bool) -> None:
         row, by = forest.loops[order[i]], weighted + i * width
         first, last, second, end = row.first, row.last, row.second, row.end
         for j in range(i + 1):
-            total, line = 0.0, j * width
-            for k in range(first, last):
-                total += values[line + k] * values[by + k]
-            if end > second:
+            other, total, line = forest.loops[order[j]], 0.0, j * width
+            if other.first == first or other.second == first:  # the same tree
+                for k in range(first, last):
+                    total += values[line + k] * values[by + k]
+            if end > second and (other.first == second or other.second == second):
                 for k in range(second, end):
                     total += values[line + k] * values[by + k]
             values[S + i * count + j] = values[S + j * count + i] = total
