@@ -246,10 +246,10 @@ def answer_rows(forest: Forest, of_all: bool) -> None:
         first, last, second, end = row.first, row.last, row.second, row.end
         for j in range(i + 1):
             other, total, line = forest.loops[order[j]], 0.0, j * width
-            if other.first == first or other.second == first:  # the same tree
+            if first in (other.first, other.second):  # the same tree
                 for k in range(first, last):
                     total += values[line + k] * values[by + k]
-            if end > second and (other.first == second or other.second == second):
+            if end > second and second in (other.first, other.second):
                 for k in range(second, end):
                     total += values[line + k] * values[by + k]
             values[S + i * count + j] = values[S + j * count + i] = total
