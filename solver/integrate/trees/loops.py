@@ -204,6 +204,12 @@ def row_acceleration(forest: Forest, row: LoopRow, gravity: Vector) -> float:
     return total
 
 
+@kernel(inline=True, internal=True)
+def _in_tree(row: LoopRow, first: int) -> bool:
+    """Whether a row moves the tree whose velocities begin at a place."""
+    return row.first == first or row.second == first  # noqa: PLR1714  a set costs time here
+
+
 @kernel(internal=True)
 def answer_rows(forest: Forest, of_all: bool) -> None:
     """What the rows that are kept, or all, leave at the joints, in their order, and S above its diagonal and below."""
@@ -246,10 +252,10 @@ def answer_rows(forest: Forest, of_all: bool) -> None:
         first, last, second, end = row.first, row.last, row.second, row.end
         for j in range(i + 1):
             other, total, line = forest.loops[order[j]], 0.0, j * width
-            if first in (other.first, other.second):  # the same tree
+            if _in_tree(other, first):
                 for k in range(first, last):
                     total += values[line + k] * values[by + k]
-            if end > second and second in (other.first, other.second):
+            if end > second and _in_tree(other, second):
                 for k in range(second, end):
                     total += values[line + k] * values[by + k]
             values[S + i * count + j] = values[S + j * count + i] = total
