@@ -134,7 +134,9 @@ CONFIGURATION = Path(".numba_config.yaml")
 def _settings() -> tuple[Any, ...]:
     """What Numba is told of how to compile; it is imported only if something may tell it."""
     told = any(name.startswith("NUMBA_") for name in os.environ) or CONFIGURATION.exists()
-    if told or "numba" in sys.modules or llvm.targets.has_svml():  # a vector library, which may be there or not
+    if (
+        told or "numba" in sys.modules or llvm.targets.has_svml()
+    ):  # a vector library, which may be there or not
         settings: tuple[Any, ...] = with_compiler().settings()
         return settings
     return USUAL

@@ -14,7 +14,10 @@ if TYPE_CHECKING:
     from heavylift.pipeline.case.simulate import SimulateSection
     from heavylift.pipeline.case.surfaces import SurfaceSection
 
-__all__ = ["check_sea"]
+__all__ = ["STANDARD_GRAVITY", "check_sea"]
+
+STANDARD_GRAVITY = 9.80665
+"""[m/s^2], of water in a case without gravity."""
 
 SAME_GRAVITY = 2e-3
 """Relative, between the weight of bodies and that of water: 9.81 and 9.80665 are the same."""
