@@ -10,7 +10,6 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from heavylift.pipeline.case.hulls import DatabaseSection
-    from heavylift.pipeline.case.sea import SeaSection
     from heavylift.pipeline.case.simulate import SimulateSection
     from heavylift.pipeline.case.surfaces import SurfaceSection
 
@@ -24,7 +23,7 @@ SAME_GRAVITY = 2e-3
 
 
 def check_sea(
-    sea: SeaSection | None,
+    sea: Any,
     *,
     gravity: Any,
     simulate: SimulateSection | None,
