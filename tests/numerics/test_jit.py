@@ -278,13 +278,24 @@ def test_only_modules_of_the_compiler_import_it_and_each_counts_as_a_source() ->
 
 
 @compiled_only
-def test_a_kernel_is_compiled_when_it_is_called_and_the_compiler_is_imported_then() -> None:
+def test_a_kernel_is_compiled_when_it_is_called_and_the_compiler_is_imported_then(tmp_path: Path) -> None:
     program = (
         "import sys\n"
         "from heavylift.numerics.rotation import quaternion_product as product\n"
         "assert 'numba' not in sys.modules\n"
         "assert product((0.0, 1.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0)) == (0.0, 0.0, 0.0, 1.0)\n"
         "print('numba' in sys.modules)\n"
+        "from heavylift.numerics.records import Record, records\n"  # the compiler learns of them later
+        "from heavylift.numerics.jit import kernel\n"
+        "class Level(Record):\n"
+        "    height: float\n"
+        "first = kernel(lambda levels: levels[1].height)\n"
+        "product((0.0, 1.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0))\n"
+        "levels = records(Level, 2)\n"
+        "levels['height'] = 3.0, 4.0\n"
+        "print(first(levels))\n"
     )
-    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
-    assert done.stdout == "True\n"
+    (tmp_path / "program.py").write_text(program)
+    command = [sys.executable, str(tmp_path / "program.py")]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    assert done.stdout == "True\n4.0\n"
