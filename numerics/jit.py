@@ -57,11 +57,10 @@ when_compiling("heavylift.numerics.jit_code")
 
 def with_compiler(module: str = "heavylift.numerics.jit_code") -> Any:
     """A module that works with Numba; imports all that have been named so far."""
-    while _WAITING:
-        name = _WAITING[0]
-        importlib.import_module(name)
-        if name in _WAITING:  # another thread may have been faster
-            _WAITING.remove(name)
+    while first := _WAITING[:1]:
+        importlib.import_module(first[0])
+        with contextlib.suppress(ValueError):  # another thread was faster
+            _WAITING.remove(first[0])
     return sys.modules[module]
 
 
