@@ -16,7 +16,7 @@ import os
 import sys
 import time
 from collections.abc import Callable, Iterator
-from functools import cached_property, update_wrapper
+from functools import update_wrapper
 from typing import Any, NoReturn, TypeVar, overload
 
 __all__ = [
@@ -39,11 +39,8 @@ F = TypeVar("F", bound=Callable[..., Any])
 ROUNDING_FLAGS = frozenset({"contract", "nsz", "arcp"})
 """Allowed to change the last bits; never ``nnan``/``ninf``, which would remove every ``isnan``."""
 
-_TAUGHT: list[str] = []
-"""Modules that belong to the compiler, in the order in which they are imported."""
-
-_COMPILER: list[bool] = []
-"""Has an entry once they are imported."""
+_WAITING: list[str] = []
+"""Modules of the compiler that are not imported yet."""
 
 
 def when_compiling(module: str) -> None:
@@ -52,20 +49,18 @@ def when_compiling(module: str) -> None:
     It is imported when something is compiled, and belongs to the sources that compiled code depends on, as an import
     does: `heavylift.numerics.sources` reads this call, so it stands at the beginning of a line with the name as text.
     """
-    _TAUGHT.append(module)
-    if _COMPILER:
-        importlib.import_module(module)
+    _WAITING.append(module)
 
 
 when_compiling("heavylift.numerics.jit_code")
 
 
 def with_compiler(module: str = "heavylift.numerics.jit_code") -> Any:
-    """A module that works with Numba; imports all of them at the first call."""
-    if not _COMPILER:
-        for name in _TAUGHT:  # those that are imported may name more
-            importlib.import_module(name)
-        _COMPILER.append(True)
+    """A module that works with Numba; imports all that have been named so far."""
+    while first := _WAITING[:1]:
+        importlib.import_module(first[0])
+        with contextlib.suppress(ValueError):  # another thread was faster
+            _WAITING.remove(first[0])
     return sys.modules[module]
 
 
@@ -92,11 +87,16 @@ class Kernel:
         update_wrapper(self, function)
         self.py_func = function
         self._options = options
+        self._dispatcher: Any = None
 
-    @cached_property
+    @property
     def compiled(self) -> Any:
         """As said above."""
-        return with_compiler().dispatcher(self.py_func, **self._options)
+        if self._dispatcher is None or _WAITING:
+            made = with_compiler()
+            if self._dispatcher is None:
+                self._dispatcher = made.dispatcher(self.py_func, **self._options)
+        return self._dispatcher
 
     def __call__(self, *values: Any, **named: Any) -> Any:
         """Compile it for what it is given, and run it."""

@@ -6,7 +6,7 @@ import math
 from typing import TYPE_CHECKING
 
 from heavylift.pipeline.assemble.described import assemble
-from heavylift.pipeline.case.sea import STANDARD_GRAVITY
+from heavylift.pipeline.case.sea_tables import STANDARD_GRAVITY
 
 if TYPE_CHECKING:
     from heavylift.pipeline.case.case_file import Case

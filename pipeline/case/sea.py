@@ -9,14 +9,12 @@ from pydantic import field_validator, model_validator
 
 from heavylift.pipeline.case.described import Chosen
 from heavylift.pipeline.case.fields import Positive, Quantity, Section, reject
+from heavylift.pipeline.case.sea_tables import STANDARD_GRAVITY
 from heavylift.pipeline.case.waves import WaveSection, check_wave, one_or_many
 from heavylift.pipeline.case.wind import Current, Wind
 from heavylift.solver.scene.sea import AT_SEA, Excitation
 
-__all__ = ["STANDARD_GRAVITY", "SeaSection"]
-
-STANDARD_GRAVITY = 9.80665
-"""[m/s^2], of water in a case without gravity."""
+__all__ = ["SeaSection"]
 
 
 class SeaSection(Section):

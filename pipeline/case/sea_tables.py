@@ -10,18 +10,20 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from heavylift.pipeline.case.hulls import DatabaseSection
-    from heavylift.pipeline.case.sea import SeaSection
     from heavylift.pipeline.case.simulate import SimulateSection
     from heavylift.pipeline.case.surfaces import SurfaceSection
 
-__all__ = ["check_sea"]
+__all__ = ["STANDARD_GRAVITY", "check_sea"]
+
+STANDARD_GRAVITY = 9.80665
+"""[m/s^2], of water in a case without gravity."""
 
 SAME_GRAVITY = 2e-3
 """Relative, between the weight of bodies and that of water: 9.81 and 9.80665 are the same."""
 
 
 def check_sea(
-    sea: SeaSection | None,
+    sea: Any,
     *,
     gravity: Any,
     simulate: SimulateSection | None,

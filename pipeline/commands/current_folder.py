@@ -49,6 +49,8 @@ class _LoadedElsewhere:
             def load_elsewhere(module: Any) -> None:
                 with _neutral_folder():
                     load(module)
+                if name == "numba":  # which looks for them again whenever it compiles
+                    module.config._config_fname = os.devnull  # noqa: SLF001
 
             spec.loader.exec_module = load_elsewhere  # type: ignore[method-assign]
         return spec

@@ -295,6 +295,8 @@ class Family(Generic[T]):
             for package, folder in self._folders:
                 if (file := folder / f"{word}.py").is_file():
                     _read(file, f"{package}.{word}")
+            if word not in self._members and not self._complete:
+                self._read_those_with(f'.describe("{word}")')
             if word not in self._members:
                 self._read_all()
         return self._members.get(word)
@@ -325,18 +327,22 @@ class Family(Generic[T]):
 
     def _read_all(self) -> None:
         if not self._complete:
-            for package, folder in self._folders:
-                for file in sorted(folder.glob("[!_]*.py")):
-                    _read(file, f"{package}.{file.stem}")
+            self._read_those_with(".describe(")
             self._complete = True
 
+    def _read_those_with(self, words: str) -> None:
+        """Read the files in which some words stand."""
+        for package, folder in self._folders:
+            for file in sorted(folder.glob("[!_]*.py")):
+                _read(file, f"{package}.{file.stem}", words)
 
-def _read(file: Path, name: str) -> None:
+
+def _read(file: Path, name: str, words: str = ".describe(") -> None:
     """Execute the descriptions of a module, and the imports and definitions that they refer to; nothing else of it."""
     if name in sys.modules:
         return
     text = file.read_text(encoding="utf-8")
-    if ".describe(" not in text:
+    if words not in text:
         return
     tree = ast.parse(text, str(file))
     given: dict[str, list[ast.stmt]] = {}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -253,3 +254,48 @@ def test_decorating_leaves_numba_configuration_alone() -> None:
     before = numba.config.CACHE_DIR
     kernel(lambda x: x)
     assert before == numba.config.CACHE_DIR
+
+
+def test_only_modules_of_the_compiler_import_it_and_each_counts_as_a_source() -> None:
+    rooms = [
+        sources.PACKAGE / room
+        for room in ("numerics", "preprocess", "modal", "contours", "solver", "pipeline")
+    ]
+    files = [file for room in rooms for file in sorted(room.rglob("*.py"))]
+    text = {file: file.read_text(encoding="utf-8") for file in files}
+    importers = {
+        file.stem for file in files if re.search(r"^(import|from) numba\b", text[file], re.MULTILINE)
+    }
+    assert importers == {"arrays_code", "jit_code", "kinds_code", "objects_code", "records_code"}
+    named = {
+        name: file
+        for file in files
+        for name in re.findall(r'^when_compiling\("heavylift\.([\w.]+)"\)', text[file], re.MULTILINE)
+    }
+    assert {name.rpartition(".")[2] for name in named} == importers
+    rope = closure(("heavylift.solver.force_elements.wire_rope",))
+    assert {f"heavylift.{name}" for name in named} <= set(rope)
+
+
+@compiled_only
+def test_a_kernel_is_compiled_when_it_is_called_and_the_compiler_is_imported_then(tmp_path: Path) -> None:
+    program = (
+        "import sys\n"
+        "from heavylift.numerics.rotation import quaternion_product as product\n"
+        "assert 'numba' not in sys.modules\n"
+        "assert product((0.0, 1.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0)) == (0.0, 0.0, 0.0, 1.0)\n"
+        "print('numba' in sys.modules)\n"
+        "from heavylift.numerics.records import Record, records\n"  # the compiler learns of them later
+        "from heavylift.numerics.jit import kernel\n"
+        "class Level(Record):\n"
+        "    height: float\n"
+        "first = kernel(lambda levels: levels[1].height)\n"
+        "product((0.0, 1.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0))\n"
+        "levels = records(Level, 2)\n"
+        "levels['height'] = 3.0, 4.0\n"
+        "print(first(levels))\n"
+    )
+    (tmp_path / "program.py").write_text(program)
+    command = [sys.executable, str(tmp_path / "program.py")]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    assert done.stdout == "True\n4.0\n"
