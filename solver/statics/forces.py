@@ -80,8 +80,10 @@ class _Direction:
     ----------
     increment, step
         Of the velocities, shape (dof_count,); its entries that are not zero [m] or [rad].
+    place
+        Of the velocity, among those of the body.
     moves
-        Of each kind of bodies, whether some of it are displaced.
+        Rows of each kind of bodies that are displaced.
     entries
         Of the Jacobian, that change.
     heights
@@ -92,10 +94,81 @@ class _Direction:
 
     increment: NDArray[np.float64]
     step: float
-    moves: list[bool]
+    place: int
+    moves: list[NDArray[np.int64]]
     entries: NDArray[np.int64]
     heights: NDArray[np.int64]
     columns: NDArray[np.int64]
+
+
+class _Mover:
+    """Displaces bodies of a kind and puts them back.
+
+    Parameters
+    ----------
+    kind
+        The bodies.
+    count
+        Of all velocities.
+    """
+
+    def __init__(self, kind: Any, count: int) -> None:
+        self._kind = kind
+        before = [(array, array.copy()) for array in numbers_in(kind)]
+        kind.move(np.full(count, DIFFERENCE))
+        self._changed = [
+            (array, content) for array, content in before if array.tobytes() != content.tobytes()
+        ]
+        self.put_back(np.zeros(0))
+
+    @staticmethod
+    def of(kind: Any, count: int, size: float) -> _Mover | _FrameMover:
+        """The faster one of frames alone."""
+        return _FrameMover(kind, size) if type(kind).move is FrameBodies.move else _Mover(kind, count)
+
+    def move(self, way: _Direction, moves: NDArray[np.int64], sign: int) -> None:
+        """Forwards (0) or backwards (1)."""
+        del moves
+        self._kind.move(way.increment if sign == 0 else -way.increment)
+
+    def put_back(self, moves: NDArray[np.int64]) -> None:
+        """All of them."""
+        del moves
+        for array, content in self._changed:
+            array[...] = content
+
+
+class _FrameMover:
+    """The same of free frames, whose displaced positions and orientations are all found at once.
+
+    Parameters
+    ----------
+    kind
+        The bodies.
+    size
+        Extent of the scene [m].
+    """
+
+    def __init__(self, kind: Any, size: float) -> None:
+        self._position, self._orientation = kind.frame["position"], kind.frame["orientation"]
+        self._here = np.array(self._position), np.array(self._orientation)
+        step = DIFFERENCE * np.array([1.0, -1.0])[:, None]
+        self._moved = self._here[0] + size * (step[:, :, None] * np.eye(3))[:, :, None]
+        w, x, y, z = self._here[1].T
+        turned = np.array([[-x, w, z, -y], [-y, -z, w, x], [-z, y, -x, w]])  # q times i, j, k
+        c, s = np.cos(0.5 * step)[:, :, None, None], np.sin(0.5 * step)[:, :, None, None]
+        self._turned = c * self._here[1] + s * np.moveaxis(turned, 1, 2)
+
+    def move(self, way: _Direction, moves: NDArray[np.int64], sign: int) -> None:
+        """Forwards (0) or backwards (1)."""
+        if way.place < 3:
+            self._position[moves] = self._moved[sign, way.place, moves]
+        else:
+            self._orientation[moves] = self._turned[sign, way.place - 3, moves]
+
+    def put_back(self, moves: NDArray[np.int64]) -> None:
+        """Those that were displaced."""
+        self._position[moves], self._orientation[moves] = self._here[0][moves], self._here[1][moves]
 
 
 class _MarkerLoads:
@@ -133,6 +206,8 @@ class _MarkerLoads:
 
     def add(self, work: Any, load: NDArray[np.float64]) -> None:
         """To loads (dof_count)."""
+        if not self._number.size:
+            return
         force = work.markers["force"][self._number]
         acts = np.flatnonzero(force.any(axis=1))
         if acts.size:
@@ -286,24 +361,24 @@ class StaticForces:
         kept[given if given is not None else []] = True
         line = rows.entry_rows
         if self._ways is None:
-            self._ways, self._carried = [*self._directions()], self._moved_arrays()
+            self._ways = [*self._directions()]
             self._pattern = self._places()
         before = rows.snapshot()
-        here = [[(array, array.copy()) for array in arrays] for arrays in self._carried]
+        movers = [_Mover.of(kind, len(rows.inertia), self.size) for kind in rows.layout.bodies]
         values: list[NDArray[np.float64]] = []
         for way in self._ways:
             found = []
-            for sign in (1.0, -1.0):
-                for kind, moves in zip(rows.layout.bodies, way.moves, strict=True):
-                    if moves:
-                        kind.move(sign * way.increment)
+            for sign in (0, 1):
+                for mover, moves in zip(movers, way.moves, strict=True):
+                    if moves.size:
+                        mover.move(way, moves, sign)
                 load, soft = self._changing(way)
-                found.append((rows.entries() * np.where(kept, reaction, soft)[line], load))
-                for place, moves in zip(here, way.moves, strict=True):
-                    if moves:
-                        rows.restore(place)
-            pull, load = (0.5 / way.step * (second - first) for first, second in zip(*found, strict=True))
-            values += pull[way.entries], load[way.heights]
+                carries = np.where(kept, reaction, soft)[line[way.entries]]
+                found.append((rows.entries(way.entries) * carries, load[way.heights]))
+                for mover, moves in zip(movers, way.moves, strict=True):
+                    if moves.size:
+                        mover.put_back(moves)
+            values += [0.5 / way.step * (second - first) for first, second in zip(*found, strict=True)]
         rows.restore(before)
         row, column, used = self._pattern
         found_values = np.concatenate(values)[used] if values else np.zeros(0)
@@ -337,11 +412,12 @@ class StaticForces:
                 step = DIFFERENCE * (self.size if k < 3 else 1.0)
                 increment = np.zeros(count)
                 increment[columns] = step
-                moved = set(wide.tolist())
-                moves = [bool(moved & set(kind.table["number"].tolist())) for kind in rows.layout.bodies]
+                free = wide[rows.inertia[self._firsts[wide] + k] > 0.0]
+                moves = [np.flatnonzero(np.isin(kind.table["number"], free)) for kind in rows.layout.bodies]
                 yield _Direction(
                     increment,
                     step,
+                    k,
                     moves,
                     entries,
                     np.concatenate(heights),
@@ -355,16 +431,6 @@ class StaticForces:
                         ]
                     ),
                 )
-
-    def _moved_arrays(self) -> list[list[NDArray[np.float64]]]:
-        """Arrays of each kind of bodies that a displacement changes."""
-        found = []
-        for kind in self.rows.layout.bodies:
-            before = [(array, array.copy()) for array in numbers_in(kind)]
-            kind.move(np.full(len(self.rows.inertia), DIFFERENCE))
-            found.append([array for array, content in before if array.tobytes() != content.tobytes()])
-            self.rows.restore(before)
-        return found
 
     def _places(self) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
         """Row and column of what the directions find, over free velocities; which of it has one."""
@@ -384,7 +450,7 @@ class StaticForces:
         reaction = self._fill_rows()
         work = self.rows.layout.work
         for kind, loaded, moves in zip(self.rows.layout.bodies, self._loaded, way.moves, strict=True):
-            if loaded is None or (moves and not loaded.alone):
+            if loaded is None or (moves.size and not loaded.alone):
                 kind.collect_load(work, load)
             else:
                 loaded.add(work, load)
