@@ -116,15 +116,18 @@ class _Mover:
         self._kind = kind
         before = [(array, array.copy()) for array in numbers_in(kind)]
         kind.move(np.full(count, DIFFERENCE))
-        self._changed = [
-            (array, content) for array, content in before if array.tobytes() != content.tobytes()
-        ]
-        self.put_back(np.zeros(0))
+        self._changed = [array for array, content in before if array.tobytes() != content.tobytes()]
+        for array, content in before:
+            array[...] = content
 
     @staticmethod
     def of(kind: Any, count: int, size: float) -> _Mover | _FrameMover:
         """The faster one of frames alone."""
         return _FrameMover(kind, size) if type(kind).move is FrameBodies.move else _Mover(kind, count)
+
+    def begin(self) -> None:
+        """Keep the present position."""
+        self._here = [array.copy() for array in self._changed]
 
     def move(self, way: _Direction, moves: NDArray[np.int64], sign: int) -> None:
         """Forwards (0) or backwards (1)."""
@@ -134,7 +137,7 @@ class _Mover:
     def put_back(self, moves: NDArray[np.int64]) -> None:
         """All of them."""
         del moves
-        for array, content in self._changed:
+        for array, content in zip(self._changed, self._here, strict=True):
             array[...] = content
 
 
@@ -150,10 +153,17 @@ class _FrameMover:
     """
 
     def __init__(self, kind: Any, size: float) -> None:
-        self._position, self._orientation = kind.frame["position"], kind.frame["orientation"]
+        self._position, self._orientation, self._size = (
+            kind.frame["position"],
+            kind.frame["orientation"],
+            size,
+        )
+
+    def begin(self) -> None:
+        """Keep the present position, and find all others."""
         self._here = np.array(self._position), np.array(self._orientation)
         step = DIFFERENCE * np.array([1.0, -1.0])[:, None]
-        self._moved = self._here[0] + size * (step[:, :, None] * np.eye(3))[:, :, None]
+        self._moved = self._here[0] + self._size * (step[:, :, None] * np.eye(3))[:, :, None]
         w, x, y, z = self._here[1].T
         turned = np.array([[-x, w, z, -y], [-y, -z, w, x], [-z, y, -x, w]])  # q times i, j, k
         c, s = np.cos(0.5 * step)[:, :, None, None], np.sin(0.5 * step)[:, :, None, None]
@@ -362,20 +372,22 @@ class StaticForces:
         line = rows.entry_rows
         if self._ways is None:
             self._ways = [*self._directions()]
+            self._movers = [_Mover.of(kind, len(rows.inertia), self.size) for kind in rows.layout.bodies]
             self._pattern = self._places()
         before = rows.snapshot()
-        movers = [_Mover.of(kind, len(rows.inertia), self.size) for kind in rows.layout.bodies]
+        for mover in self._movers:
+            mover.begin()
         values: list[NDArray[np.float64]] = []
         for way in self._ways:
             found = []
             for sign in (0, 1):
-                for mover, moves in zip(movers, way.moves, strict=True):
+                for mover, moves in zip(self._movers, way.moves, strict=True):
                     if moves.size:
                         mover.move(way, moves, sign)
                 load, soft = self._changing(way)
                 carries = np.where(kept, reaction, soft)[line[way.entries]]
                 found.append((rows.entries(way.entries) * carries, load[way.heights]))
-                for mover, moves in zip(movers, way.moves, strict=True):
+                for mover, moves in zip(self._movers, way.moves, strict=True):
                     if moves.size:
                         mover.put_back(moves)
             values += [0.5 / way.step * (second - first) for first, second in zip(*found, strict=True)]
