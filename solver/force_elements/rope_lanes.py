@@ -14,11 +14,8 @@ from collections.abc import Callable
 from typing import Any
 
 from llvmlite import ir
-from numba.core import cgutils, types
-from numba.core.types.containers import UniTuple
-from numba.extending import intrinsic
 
-from heavylift.numerics.arrays import rebuild_array
+from heavylift.numerics.jit import intrinsic, when_compiling
 from heavylift.numerics.vector_code import FLAGS, INTEGER, VectorCode, vector_code
 
 __all__ = [
@@ -41,6 +38,8 @@ __all__ = [
     "room",
     "turn_parts",
 ]
+
+when_compiling("heavylift.numerics.arrays_code")
 
 LANES = 8
 """Parts of a group."""
@@ -139,6 +138,8 @@ class _Group:
 
     def lane_by_lane(self, name: str, a: Any) -> Any:
         """An instruction of LLVM with one argument."""
+        from numba.core import cgutils
+
         kind = ir.FunctionType(self.code.vector, [self.code.vector])
         function = cgutils.get_or_insert_function(
             self.code.builder.module, kind, f"llvm.{name}.v{self.code.lanes}f64"
@@ -254,13 +255,16 @@ def _on_group(numbers: Any, write: Callable[[_Group], Any], *, tells: bool = Fal
         found = write(_Group(code, place))
         return [found] if tells else None
 
-    returns: Any = UniTuple(types.float64, 1) if tells else types.void
-    return vector_code((numbers,), (0,), with_group, lanes=LANES, returns=returns)
+    return vector_code((numbers,), (0,), with_group, lanes=LANES, returns=1 if tells else 0)
 
 
 @intrinsic
 def room(typingctx):  # type: ignore[no-untyped-def]
     """Array for the numbers of one group, on the stack of the function that asks for it."""
+    from numba.core import types
+
+    from heavylift.numerics.arrays_code import rebuild_array
+
     floats = types.Array(types.float64, 1, "C")
 
     def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
