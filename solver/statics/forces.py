@@ -9,11 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.classes import dataclass
-from heavylift.numerics.records import numbers_in
 from heavylift.solver.bodies.frames.base import FrameBodies
 from heavylift.solver.interface import FORCES
 from heavylift.solver.scene.connections import MEASURES
 from heavylift.solver.start.rows import StartRows
+from heavylift.solver.statics.displacing import mover_of
 from heavylift.solver.statics.rows_at_rest import fill_at_rest
 
 __all__ = ["STEP", "OneSided", "StaticForces", "act_between", "only_watches"]
@@ -78,12 +78,10 @@ class _Direction:
 
     Attributes
     ----------
-    increment, step
-        Of the velocities, shape (dof_count,); its entries that are not zero [m] or [rad].
-    place
-        Of the velocity, among those of the body.
+    step
+        How far [m] or [rad].
     moves
-        Rows of each kind of bodies that are displaced.
+        What each mover needs to know of it; None if none of its kind are displaced.
     entries
         Of the Jacobian, that change.
     heights
@@ -92,93 +90,11 @@ class _Direction:
         Velocity that is displaced, of all entries, then of all heights.
     """
 
-    increment: NDArray[np.float64]
     step: float
-    place: int
-    moves: list[NDArray[np.int64]]
+    moves: list[Any]
     entries: NDArray[np.int64]
     heights: NDArray[np.int64]
     columns: NDArray[np.int64]
-
-
-class _Mover:
-    """Displaces bodies of a kind and puts them back.
-
-    Parameters
-    ----------
-    kind
-        The bodies.
-    count
-        Of all velocities.
-    """
-
-    def __init__(self, kind: Any, count: int) -> None:
-        self._kind = kind
-        before = [(array, array.copy()) for array in numbers_in(kind)]
-        kind.move(np.full(count, DIFFERENCE))
-        self._changed = [array for array, content in before if array.tobytes() != content.tobytes()]
-        for array, content in before:
-            array[...] = content
-
-    @staticmethod
-    def of(kind: Any, count: int, size: float) -> _Mover | _FrameMover:
-        """The faster one of frames alone."""
-        return _FrameMover(kind, size) if type(kind).move is FrameBodies.move else _Mover(kind, count)
-
-    def begin(self) -> None:
-        """Keep the present position."""
-        self._here = [array.copy() for array in self._changed]
-
-    def move(self, way: _Direction, moves: NDArray[np.int64], sign: int) -> None:
-        """Forwards (0) or backwards (1)."""
-        del moves
-        self._kind.move(way.increment if sign == 0 else -way.increment)
-
-    def put_back(self, moves: NDArray[np.int64]) -> None:
-        """All of them."""
-        del moves
-        for array, content in zip(self._changed, self._here, strict=True):
-            array[...] = content
-
-
-class _FrameMover:
-    """The same of free frames, whose displaced positions and orientations are all found at once.
-
-    Parameters
-    ----------
-    kind
-        The bodies.
-    size
-        Extent of the scene [m].
-    """
-
-    def __init__(self, kind: Any, size: float) -> None:
-        self._position, self._orientation, self._size = (
-            kind.frame["position"],
-            kind.frame["orientation"],
-            size,
-        )
-
-    def begin(self) -> None:
-        """Keep the present position, and find all others."""
-        self._here = np.array(self._position), np.array(self._orientation)
-        step = DIFFERENCE * np.array([1.0, -1.0])[:, None]
-        self._moved = self._here[0] + self._size * (step[:, :, None] * np.eye(3))[:, :, None]
-        w, x, y, z = self._here[1].T
-        turned = np.array([[-x, w, z, -y], [-y, -z, w, x], [-z, y, -x, w]])  # q times i, j, k
-        c, s = np.cos(0.5 * step)[:, :, None, None], np.sin(0.5 * step)[:, :, None, None]
-        self._turned = c * self._here[1] + s * np.moveaxis(turned, 1, 2)
-
-    def move(self, way: _Direction, moves: NDArray[np.int64], sign: int) -> None:
-        """Forwards (0) or backwards (1)."""
-        if way.place < 3:
-            self._position[moves] = self._moved[sign, way.place, moves]
-        else:
-            self._orientation[moves] = self._turned[sign, way.place - 3, moves]
-
-    def put_back(self, moves: NDArray[np.int64]) -> None:
-        """Those that were displaced."""
-        self._position[moves], self._orientation[moves] = self._here[0][moves], self._here[1][moves]
 
 
 class _MarkerLoads:
@@ -371,8 +287,11 @@ class StaticForces:
         kept[given if given is not None else []] = True
         line = rows.entry_rows
         if self._ways is None:
+            step = DIFFERENCE * self.size
+            self._movers = [
+                mover_of(kind, len(rows.inertia), step, DIFFERENCE) for kind in rows.layout.bodies
+            ]
             self._ways = [*self._directions()]
-            self._movers = [_Mover.of(kind, len(rows.inertia), self.size) for kind in rows.layout.bodies]
             self._pattern = self._places()
         before = rows.snapshot()
         for mover in self._movers:
@@ -382,13 +301,13 @@ class StaticForces:
             found = []
             for sign in (0, 1):
                 for mover, moves in zip(self._movers, way.moves, strict=True):
-                    if moves.size:
-                        mover.move(way, moves, sign)
+                    if moves is not None:
+                        mover.move(moves, sign)
                 load, soft = self._changing(way)
                 carries = np.where(kept, reaction, soft)[line[way.entries]]
                 found.append((rows.entries(way.entries) * carries, load[way.heights]))
                 for mover, moves in zip(self._movers, way.moves, strict=True):
-                    if moves.size:
+                    if moves is not None:
                         mover.put_back(moves)
             values += [0.5 / way.step * (second - first) for first, second in zip(*found, strict=True)]
         rows.restore(before)
@@ -424,12 +343,9 @@ class StaticForces:
                 step = DIFFERENCE * (self.size if k < 3 else 1.0)
                 increment = np.zeros(count)
                 increment[columns] = step
-                free = wide[rows.inertia[self._firsts[wide] + k] > 0.0]
-                moves = [np.flatnonzero(np.isin(kind.table["number"], free)) for kind in rows.layout.bodies]
+                moves = [mover.pick(increment) for mover in self._movers]
                 yield _Direction(
-                    increment,
                     step,
-                    k,
                     moves,
                     entries,
                     np.concatenate(heights),
@@ -462,7 +378,7 @@ class StaticForces:
         reaction = self._fill_rows()
         work = self.rows.layout.work
         for kind, loaded, moves in zip(self.rows.layout.bodies, self._loaded, way.moves, strict=True):
-            if loaded is None or (moves.size and not loaded.alone):
+            if loaded is None or (moves is not None and not loaded.alone):
                 kind.collect_load(work, load)
             else:
                 loaded.add(work, load)
