@@ -33,7 +33,7 @@ REFINEMENTS = 10
 MET = 1e-14
 """Relative miss of the wanted rates that ends the refinement."""
 
-SMALL = 300
+SMALL = 450
 """Velocities and rows up to which dense matrices take less time than sparse ones, whose import alone takes longer than
 most small scenes."""
 
