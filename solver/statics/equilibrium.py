@@ -68,7 +68,7 @@ PROMISED, RENEWALS = 0.3, 3
 how often."""
 
 NEAR, HELPS = 1e-4, 0.1
-"""Step, in units of the longest, after which the stiffness is kept for the next one, as long as steps leave no more than
+"""Step, in units of the longest, after which the stiffness is kept for the next one, while steps leave no more than
 this part of the residual; stability is told by that of the place itself."""
 
 AIMS = 60
