@@ -33,7 +33,7 @@ REFINEMENTS = 10
 MET = 1e-14
 """Relative miss of the wanted rates that ends the refinement."""
 
-SMALL = 300
+SMALL = 450
 """Velocities and rows up to which dense matrices take less time than sparse ones, whose import alone takes longer than
 most small scenes."""
 
@@ -232,9 +232,9 @@ class StartRows:
         """Velocity of each entry of the Jacobian."""
         return self._columns
 
-    def entries(self) -> NDArray[np.float64]:
-        """Entries of the Jacobian."""
-        return np.zeros(0) if self._system is None else self._system.panels[self._sources]
+    def entries(self, some: Any = slice(None)) -> NDArray[np.float64]:
+        """Entries of the Jacobian, or some of them."""
+        return np.zeros(0) if self._system is None else self._system.panels[self._sources[some]]
 
     def metric(self) -> NDArray[np.float64]:
         """Inverse inertia of each velocity, 0 if it is prescribed."""
@@ -309,15 +309,15 @@ class StartRows:
         -----
         Smallest in the metric of the mass: ``M change = G^T z``. With both as unknowns the matrix has the
         condition of G; ``G M^-1 G^T`` would have its square, too much for long chains. Redundant rows share
-        by the softness, and what it leaves is asked for again.
+        by the softness, and what it leaves is asked for again. Dense rows are few, and rounding has no longer way than
+        the softness: there the unknowns are z alone.
         """
         A, norm, root = self.unit_rows(G, rows, self.inertia if inertia is None else inertia)
         count = A.shape[1]
 
         def factor(soft: float) -> Any:
             if isinstance(A, np.ndarray):
-                dense = np.block([[np.eye(count), -A.T], [A, soft * np.eye(A.shape[0])]])
-                return partial(np.linalg.solve, dense)
+                return partial(_solve_by_rows, A, A @ A.T + soft * np.eye(A.shape[0]))
             from scipy.sparse import block_array, eye_array
             from scipy.sparse.linalg import splu
 
@@ -356,6 +356,14 @@ class StartRows:
             if len(found) == count:
                 break
         return list(found.values())
+
+
+def _solve_by_rows(
+    A: NDArray[np.float64], S: NDArray[np.float64], both: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Change and multipliers with ``S z = wanted``, ``change = A^T z``; of a change that is wanted there is none."""
+    z = np.linalg.solve(S, both[A.shape[1] :])
+    return np.concatenate([A.T @ z, z])
 
 
 def listed(words: Sequence[str], most: int = 12) -> str:

@@ -67,6 +67,10 @@ PROMISED, RENEWALS = 0.3, 3
 """Change of the tensions in a step, relative to those at its end, from which the stiffness is made anew with these, and
 how often."""
 
+NEAR, HELPS = 1e-4, 0.1
+"""Step, in units of the longest, after which the stiffness is kept for the next one, while steps leave no more than
+this part of the residual; stability is told by that of the place itself."""
+
 AIMS = 60
 """Most rounds of the search for what is taut at the end of a step; what they leave to do is another step's."""
 
@@ -172,6 +176,7 @@ class _Search:
         self.iterations, self.residual = 0, np.inf
         self.stable: bool | None = None
         self.damping = self.natural = 0.0
+        self._near = False
         self._begin = rows.survey()[0][:, 1:4]
         free = rows.free
         kind = free - rows.owner_starts[np.searchsorted(rows.owner_starts, free, side="right") - 1]
@@ -194,7 +199,9 @@ class _Search:
             done = self.residual <= POLISHED or (self.residual <= BALANCED and self.residual > 0.3 * before)
             if self.iterations >= ITERATIONS or self._is_gone() or not np.isfinite(self.residual):
                 raise self._failure(place.force)
-            K, G = self._stiffness(place, place.reaction), self._tangent()
+            if done or not (self._near and self.residual < HELPS * before):
+                self._last = self._stiffness(place, place.reaction)
+            K, G = self._last, self._tangent()
             if self.natural == 0.0:
                 self._start_damping(place.force, K + place.stiffness(place.one_sided.elongation))
             if done:
@@ -204,7 +211,7 @@ class _Search:
                     return
                 if pushes == PUSHES:
                     raise self._unstable(direction)
-                pushes += 1
+                pushes, self._near = pushes + 1, False
                 self.residual = np.inf
                 self.damping = max(self.damping, 0.1 * self.natural)
                 self._displace(PUSH * pushes * self._limited(direction, shorten=False)[0])
@@ -314,6 +321,7 @@ class _Search:
                 break
             part *= min(0.5, max(0.1, 1.0 / (1.0 - ahead))) if closed and np.isfinite(ahead) else 0.25
             rows.restore(before)
+        self._near = part == 1.0 and length <= NEAR
         if part < 1.0:
             self.damping *= 2.0
         elif length <= 1.0:

@@ -9,11 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.classes import dataclass
-from heavylift.numerics.records import numbers_in
 from heavylift.solver.bodies.frames.base import FrameBodies
 from heavylift.solver.interface import FORCES
 from heavylift.solver.scene.connections import MEASURES
 from heavylift.solver.start.rows import StartRows
+from heavylift.solver.statics.displacing import mover_of
 from heavylift.solver.statics.rows_at_rest import fill_at_rest
 
 __all__ = ["STEP", "OneSided", "StaticForces", "act_between", "only_watches"]
@@ -78,10 +78,10 @@ class _Direction:
 
     Attributes
     ----------
-    increment, step
-        Of the velocities, shape (dof_count,); its entries that are not zero [m] or [rad].
+    step
+        How far [m] or [rad].
     moves
-        Of each kind of bodies, whether some of it are displaced.
+        What each mover needs to know of it; None if none of its kind are displaced.
     entries
         Of the Jacobian, that change.
     heights
@@ -90,9 +90,8 @@ class _Direction:
         Velocity that is displaced, of all entries, then of all heights.
     """
 
-    increment: NDArray[np.float64]
     step: float
-    moves: list[bool]
+    moves: list[Any]
     entries: NDArray[np.int64]
     heights: NDArray[np.int64]
     columns: NDArray[np.int64]
@@ -133,6 +132,8 @@ class _MarkerLoads:
 
     def add(self, work: Any, load: NDArray[np.float64]) -> None:
         """To loads (dof_count)."""
+        if not self._number.size:
+            return
         force = work.markers["force"][self._number]
         acts = np.flatnonzero(force.any(axis=1))
         if acts.size:
@@ -286,24 +287,29 @@ class StaticForces:
         kept[given if given is not None else []] = True
         line = rows.entry_rows
         if self._ways is None:
-            self._ways, self._carried = [*self._directions()], self._moved_arrays()
+            step = DIFFERENCE * self.size
+            self._movers = [
+                mover_of(kind, len(rows.inertia), step, DIFFERENCE) for kind in rows.layout.bodies
+            ]
+            self._ways = [*self._directions()]
             self._pattern = self._places()
         before = rows.snapshot()
-        here = [[(array, array.copy()) for array in arrays] for arrays in self._carried]
+        for mover in self._movers:
+            mover.begin()
         values: list[NDArray[np.float64]] = []
         for way in self._ways:
             found = []
-            for sign in (1.0, -1.0):
-                for kind, moves in zip(rows.layout.bodies, way.moves, strict=True):
-                    if moves:
-                        kind.move(sign * way.increment)
+            for sign in (0, 1):
+                for mover, moves in zip(self._movers, way.moves, strict=True):
+                    if moves is not None:
+                        mover.move(moves, sign)
                 load, soft = self._changing(way)
-                found.append((rows.entries() * np.where(kept, reaction, soft)[line], load))
-                for place, moves in zip(here, way.moves, strict=True):
-                    if moves:
-                        rows.restore(place)
-            pull, load = (0.5 / way.step * (second - first) for first, second in zip(*found, strict=True))
-            values += pull[way.entries], load[way.heights]
+                carries = np.where(kept, reaction, soft)[line[way.entries]]
+                found.append((rows.entries(way.entries) * carries, load[way.heights]))
+                for mover, moves in zip(self._movers, way.moves, strict=True):
+                    if moves is not None:
+                        mover.put_back(moves)
+            values += [0.5 / way.step * (second - first) for first, second in zip(*found, strict=True)]
         rows.restore(before)
         row, column, used = self._pattern
         found_values = np.concatenate(values)[used] if values else np.zeros(0)
@@ -337,10 +343,8 @@ class StaticForces:
                 step = DIFFERENCE * (self.size if k < 3 else 1.0)
                 increment = np.zeros(count)
                 increment[columns] = step
-                moved = set(wide.tolist())
-                moves = [bool(moved & set(kind.table["number"].tolist())) for kind in rows.layout.bodies]
+                moves = [mover.pick(increment) for mover in self._movers]
                 yield _Direction(
-                    increment,
                     step,
                     moves,
                     entries,
@@ -355,16 +359,6 @@ class StaticForces:
                         ]
                     ),
                 )
-
-    def _moved_arrays(self) -> list[list[NDArray[np.float64]]]:
-        """Arrays of each kind of bodies that a displacement changes."""
-        found = []
-        for kind in self.rows.layout.bodies:
-            before = [(array, array.copy()) for array in numbers_in(kind)]
-            kind.move(np.full(len(self.rows.inertia), DIFFERENCE))
-            found.append([array for array, content in before if array.tobytes() != content.tobytes()])
-            self.rows.restore(before)
-        return found
 
     def _places(self) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
         """Row and column of what the directions find, over free velocities; which of it has one."""
@@ -384,7 +378,7 @@ class StaticForces:
         reaction = self._fill_rows()
         work = self.rows.layout.work
         for kind, loaded, moves in zip(self.rows.layout.bodies, self._loaded, way.moves, strict=True):
-            if loaded is None or (moves and not loaded.alone):
+            if loaded is None or (moves is not None and not loaded.alone):
                 kind.collect_load(work, load)
             else:
                 loaded.add(work, load)

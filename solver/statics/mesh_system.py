@@ -31,6 +31,7 @@ from heavylift.solver.bodies.frames.base import FrameBodies
 from heavylift.solver.integrate.loop import evaluate_loads
 from heavylift.solver.interface import FORCES, Forces
 from heavylift.solver.start.rows import StartRows
+from heavylift.solver.statics.displacing import mover_of
 from heavylift.solver.statics.forces import STEP, act_between, only_watches
 from heavylift.solver.statics.rows_at_rest import fill_at_rest
 
@@ -104,7 +105,11 @@ class MeshSystem:
         groups = layout.forces.groups
         self._loads = Forces([kind for kind in layout.forces if type(kind).__name__ in LOADS], groups)
         self._inner = Forces([kind for kind in layout.forces if type(kind).__name__ not in LOADS], groups)
-        self._joint_rows = layout.systems[:1]
+        if layout.systems:
+            self._joint_rows = layout.systems[:1]
+            self._fill = fill_at_rest.with_first(
+                layout.bodies, self._inner, layout.joints, self._joint_rows, layout.work
+            )
         self._changes = [matrices.base_changes() for matrices in self.matrices]
         self._together: _Together | None = None
         self._promised = False
@@ -257,9 +262,7 @@ class MeshSystem:
         rows, layout = self.rows, self.layout
         layout.work.velocity[:] = 0.0
         if layout.systems:
-            fill_at_rest(
-                layout.bodies, self._inner, layout.joints, self._joint_rows, layout.work, rows.time, STEP
-            )
+            self._fill(rows.time, STEP)
         else:
             evaluate_loads(layout.bodies, self._inner, layout.work, rows.time)
         pull = np.zeros(len(rows.inertia))
@@ -387,29 +390,35 @@ class MeshSystem:
 
         count = len(self.rows.inertia)
         if self._together is None:
+            step = DIFFERENCE * self.length
+            self._movers = [mover_of(kind, count, step, DIFFERENCE) for kind in self.others]
             self._together = _Together.of(self)
         together, before = self._together, self.snapshot()
-        entries: list[tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]]] = []
+        for mover in self._movers:
+            mover.begin()
+        here = [np.array(kind.position) for kind in self.meshes]
+        values = []
         for group in together.groups:
-            increment = np.asarray(sum(step * direction for _, direction, step in group))
             sides = []
-            for way in (1.0, -1.0):
-                self.move(way * increment)
-                sides.append(self._parts(factor, multipliers, together.entries))
-                self.restore(before)
-            slope = 0.5 * (sides[1] - sides[0])
-            number = np.full(together.edge_count, -1)
-            for k, (column, _, _) in enumerate(group):
-                number[together.edges[column]] = k
-            by = number[together.edge]
-            kept = (by >= 0) & (slope != 0.0)
-            columns = np.array([column for column, _, _ in group])[by[kept]]
-            steps = np.array([step for _, _, step in group])[by[kept]]
-            entries.append((together.height[kept], columns, slope[kept] / steps))
-        if not entries:
+            for sign in (0, 1):
+                for kind, (places, shift), rest in zip(self.meshes, group.meshes, here, strict=True):
+                    kind.position[places] = rest[places] + (shift if sign == 0 else -shift)
+                for mover, pick in zip(self._movers, group.picks, strict=True):
+                    if pick is not None:
+                        mover.move(pick, sign)
+                sides.append(self._parts(factor, multipliers, together)[group.changed])
+                for kind, (places, _), rest in zip(self.meshes, group.meshes, here, strict=True):
+                    kind.position[places] = rest[places]
+                for mover, pick in zip(self._movers, group.picks, strict=True):
+                    if pick is not None:
+                        mover.put_back(pick)
+            values.append(0.5 * (sides[1] - sides[0]) / group.steps)
+        self.restore(before)
+        if not values:
             return csc_array((count, count))
-        heights, columns, values = (np.concatenate(part) for part in zip(*entries, strict=True))
-        return csc_array((values, (heights, columns)), shape=(count, count))
+        found = np.concatenate(values)
+        kept = np.flatnonzero(found)
+        return csc_array((found[kept], (together.rows[kept], together.columns[kept])), shape=(count, count))
 
     def directions(self) -> list[tuple[int, NDArray[np.float64], float]]:
         """Velocity of the workspace, displacement of the unknowns that belongs to it alone, step of the difference."""
@@ -430,8 +439,18 @@ class MeshSystem:
             found.append((int(dof), direction, step))
         return found
 
+    def displaced(self, increment: NDArray[np.float64]) -> tuple[list[Any], list[Any]]:
+        """An increment of the unknowns: places and displacements of each kind of meshes; what each mover needs."""
+        meshes = []
+        for matrices, part in zip(self.matrices, self._split(increment), strict=True):
+            own = np.flatnonzero(part)
+            meshes.append((matrices.places[own], part[own]))
+        full = np.zeros(len(self.rows.inertia))
+        full[self.dofs] = increment[self.first[-1] :]
+        return meshes, [mover.pick(full) for mover in self._movers]
+
     def _parts(
-        self, factor: float, multipliers: NDArray[np.float64], entries: NDArray[np.int64]
+        self, factor: float, multipliers: NDArray[np.float64], together: _Together
     ) -> NDArray[np.float64]:
         """What some entries of the Jacobian do, then forces without rows on bases and other bodies (dof_count)."""
         rows, layout = self.rows, self.layout
@@ -439,7 +458,7 @@ class MeshSystem:
         rowwise = np.zeros(0)
         if layout.systems:
             reaction[rows.rigid] = multipliers
-            rowwise = rows.entries()[entries] * reaction[rows.entry_rows[entries]]
+            rowwise = rows.entries(together.entries) * reaction[together.line]
         if self._rows_alone:
             return np.concatenate([rowwise, pull])
         evaluate_loads(layout.bodies, self._loads, layout.work, rows.time)
@@ -474,6 +493,26 @@ def _node_follower(q: NDArray[np.float64], a: NDArray[np.float64], along: float)
 
 
 @dataclass(frozen=True)
+class _Group:
+    """Directions that are displaced together.
+
+    Attributes
+    ----------
+    meshes
+        Of each kind of meshes, coordinates that are displaced and how far.
+    picks
+        What each mover of other bodies needs to know.
+    changed, steps
+        Which of the forces change, and the displacement that changes each [m] or [rad].
+    """
+
+    meshes: list[tuple[NDArray[np.int64], NDArray[np.float64]]]
+    picks: list[Any]
+    changed: NDArray[np.int64]
+    steps: NDArray[np.float64]
+
+
+@dataclass(frozen=True)
 class _Together:
     """Which directions are displaced together (Curtis, Powell and Reid, J. Inst. Maths. Applics. 13, 1974).
 
@@ -483,23 +522,19 @@ class _Together:
     Attributes
     ----------
     groups
-        Directions, as `MeshSystem.directions` has them.
-    edges
-        By velocity of the workspace, edges that its direction touches.
-    edge_count
-        How many there are.
-    entries
-        Entries of the Jacobian that can be other than zero: rows on a mesh are as wide as all of its bases.
-    edge, height
-        Of these entries, then of all velocities: edge, and velocity on which the force acts.
+        What is displaced, one after the other.
+    entries, line
+        Entries of the Jacobian that can be other than zero, and their rows: rows on a mesh are as wide as all of its
+        bases.
+    rows, columns
+        Velocities of the workspace on which what changes acts, and which are displaced; group by group.
     """
 
-    groups: list[list[tuple[int, NDArray[np.float64], float]]]
-    edges: dict[int, list[int]]
-    edge_count: int
+    groups: list[_Group]
     entries: NDArray[np.int64]
-    edge: NDArray[np.int64]
-    height: NDArray[np.int64]
+    line: NDArray[np.int64]
+    rows: NDArray[np.int64]
+    columns: NDArray[np.int64]
 
     @staticmethod
     def of(system: MeshSystem) -> _Together:
@@ -544,4 +579,16 @@ class _Together:
             taken[place] |= touched
         edge = np.concatenate([block[entries], loads])
         height = np.concatenate([dof[entries], np.arange(count)])
-        return _Together(groups, edges, block_count + unit_count, entries, edge, height)
+        made, heights, columns = [], [np.zeros(0, dtype=np.int64)], [np.zeros(0, dtype=np.int64)]
+        for group in groups:
+            number = np.full(block_count + unit_count, -1)
+            for k, (column, _, _) in enumerate(group):
+                number[edges[column]] = k
+            by = number[edge]
+            changed = np.flatnonzero(by >= 0)
+            increment = np.asarray(sum(step * direction for _, direction, step in group))
+            steps = np.array([step for _, _, step in group])[by[changed]]
+            made.append(_Group(*system.displaced(increment), changed, steps))
+            heights.append(height[changed])
+            columns.append(np.array([column for column, _, _ in group])[by[changed]])
+        return _Together(made, entries, line[entries], np.concatenate(heights), np.concatenate(columns))

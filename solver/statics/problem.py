@@ -225,7 +225,7 @@ class Factor:
     """
 
     def __init__(self, problem: StaticProblem, K: Any, G: Any, damping: float, *, check: bool) -> None:
-        from scipy.sparse import diags_array
+        from scipy.sparse import csr_array
         from scipy.sparse.linalg import splu
 
         self._root = np.sqrt(problem.mass.diagonal())
@@ -243,10 +243,11 @@ class Factor:
                 self.positive = bool(np.all(factor.U.diagonal() > 0.0))
             self._solve: Callable[[NDArray[np.float64]], NDArray[np.float64]] = factor.solve
             return
-        H = G @ diags_array(1.0 / self._root)
-        self._norm = np.sqrt(np.asarray((H * H).sum(axis=1)).ravel())
+        line, scaled_rows = np.repeat(np.arange(rows), np.diff(G.indptr)), G.data / self._root[G.indices]
+        self._norm = np.sqrt(np.bincount(line, weights=scaled_rows * scaled_rows, minlength=rows))
         self._norm[self._norm == 0.0] = 1.0
-        self._A, self._H = A, (diags_array(1.0 / self._norm) @ H).tocsr()
+        self._A = A
+        self._H = csr_array((scaled_rows / self._norm[line], G.indices, G.indptr), shape=G.shape)
         self._HT = self._H.T.tocsr()
         self._whole: Callable[[NDArray[np.float64]], NDArray[np.float64]] | None = None
         penalised = (0.5 * (A + A.T) + PENALTY * self._size * (self._HT @ self._H)).tocsc()

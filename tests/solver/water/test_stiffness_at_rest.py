@@ -8,7 +8,7 @@ from start_scenes import rows_of
 
 from heavylift.numerics.rotation import quaternion_from_rotation_vector
 from heavylift.solver.forces.spring import Spring
-from heavylift.solver.scene.scene import Gravity, RigidBody, Scene
+from heavylift.solver.scene.scene import Fixed, Gravity, RigidBody, Scene
 from heavylift.solver.scene.sea import Hull, LinearRestoring, Sea, Tank, Water
 from heavylift.solver.statics.forces import StaticForces
 
@@ -16,7 +16,8 @@ RHO, G, AREA, DRAFT = 1025.0, 9.81, 600.0, 2.0
 
 
 def afloat() -> Scene:
-    """A barge of 30 x 20 m, turned, with a tank; a load on four springs over its deck, another one below it."""
+    """A barge of 30 x 20 m, turned, with a tank; a load on four springs over its deck, another one below it, and one
+    that is held."""
     turn = quaternion_from_rotation_vector(np.array([0.04, -0.03, 0.5]))
     mass = 0.9 * RHO * AREA * DRAFT
     inertia = np.diag(mass * np.array([36.0, 80.0, 100.0]))
@@ -25,6 +26,8 @@ def afloat() -> Scene:
         RigidBody(name, 3e4, np.diag([1e5, 2e5, 3e5]), position=np.array([1.0, 0.5, z]), orientation=turn)
         for name, z in (("upper", 8.0), ("lower", -9.0))
     ]
+    place = np.array([3.0, 2.0, 9.0])
+    loads.append(RigidBody("held", 3e4, np.diag([1e5, 2e5, 3e5]), position=place, motion=Fixed()))
     springs = tuple(
         Spring(
             name=f"{load.name}_{k}",
