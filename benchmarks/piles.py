@@ -2,13 +2,13 @@
 
     python benchmarks/piles.py [--awake] [scene ...]
 
-CPU time of a step: mean, median of the last fifth, largest mean of 20 ms. With `--awake` islands at rest do not sleep. MuJoCo has the same boxes, friction and
-steps, with `implicitfast`, elliptic cones and its own softness of contacts. What is at rest must stay where it is:
-*moved* is the largest distance from the start at the end, *strayed* that at any time, *creeps* the
-distance from where it was after half of the time. A soft stack of thirty is pressed together at first and thrown up
-again, in MuJoCo by 0.17 to 1.03 m for accelerations of gravity of 9.80665 and 9.81 m/s2, so it rests later. Dominoes: when the
-tenth has sunk to 0.9 of its height. What falls: the centre of all boxes at the end. *gain*: the largest growth of the
-energy balance over the energy turned over.
+CPU time of a step: mean, median of the last fifth, largest mean of 20 ms. With `--awake` islands at rest do not sleep.
+MuJoCo has the same boxes, friction and steps, with `implicitfast`, elliptic cones and its own softness of contacts.
+What is at rest must stay where it is: *moved* is the largest distance from the start at the end, *strayed* that at any
+time, *creeps* that from where it was after half of the time. MuJoCo's stack of thirty is pressed together at first and
+thrown up again, by 0.17 or 1.03 m for accelerations of gravity of 9.80665 or 9.81 m/s2, so it rests later. Dominoes:
+when the tenth has sunk to 0.9 of its height. What falls: the centre of all boxes at the end. *gain*: the largest growth
+of the energy balance over the energy turned over.
 """
 
 from __future__ import annotations
@@ -200,8 +200,9 @@ def run_heavylift(pile: Pile, *, awake: bool = False) -> Found:
     simulation = Simulation(_scene(pile), pile.step, record_every=every)
     simulation.warm_up()
     if awake:
-        contacts = next(system for system in simulation._layout.systems if hasattr(system, "sleepers"))
-        contacts.sleepers["allowed"] = False
+        for system in simulation._layout.systems:  # noqa: SLF001
+            if hasattr(system, "sleepers"):
+                system.sleepers["allowed"] = False
     column = {channel.name: channel.column for channel in simulation.channels}
     places = [column[f"box{i}.position"] for i in range(len(pile.boxes))]
     rows, times, cpu = [simulation.record()], [0.0], []
