@@ -40,6 +40,9 @@ def _made(cls: Any, *, frozen: bool, eq: bool, kw_only: bool) -> type:
     with _not_frozen(cls, frozen=frozen):
         dataclasses.dataclass(init=False, repr=False, eq=False, kw_only=kw_only)(cls)
     cls.__dataclass_params__.frozen, cls.__dataclass_params__.eq = frozen, eq
+    for name, one in vars(cls)["__dataclass_fields__"].items():
+        if str(one.type).removeprefix("dataclasses.").startswith("InitVar"):  # `fields` has none of them
+            raise TypeError(f"{cls.__name__}.{name}: a parameter that is no field is not passed on")
     own, known = vars(cls), fields(cls)
     has_hash = own.get("__hash__") is not None
     methods: dict[str, Any] = {"__init__": _constructor(cls), "__repr__": _shown(known)}

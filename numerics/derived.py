@@ -40,7 +40,7 @@ class Store(Protocol):
 
     @property
     def versions(self) -> str:
-        """What results depend on besides sources and arguments, as words: versions of other packages."""
+        """What results depend on besides sources and arguments, as words: versions of other packages, the processor."""
 
     def read(self, name: str) -> bytes | None:
         """What is kept under a name, None if nothing is."""

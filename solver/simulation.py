@@ -35,6 +35,7 @@ from heavylift.solver.stop_message import (
     energy_remedy,
     force_warning,
     hull_warning,
+    loop_warning,
     mesh_warning,
     stop_message,
 )
@@ -110,6 +111,8 @@ class Simulation:
         that of the last good step.
     operation
         Its scenario on its way, with its log; None without one.
+    stop_asked
+        Asked where a call of the integrator comes back before its end: whether `advance` is to do so too.
     ended
         Whether its scenario has ended it, with all phases done: time goes no further.
     cpu_seconds, start_seconds, compile_seconds
@@ -207,6 +210,7 @@ class Simulation:
         self.message = ""
         self.ended = False
         self.operation: Operation | None = None
+        self.stop_asked: Callable[[], object] = bool
         if scene.scenario is not None:
             from heavylift.solver.scenario.operation import Operation
 
@@ -550,7 +554,7 @@ class Simulation:
         Parameters
         ----------
         steps
-            Fewer are made if the simulation stops by itself; see `outcome`.
+            Fewer are made if the simulation stops by itself, see `outcome`, or is asked to, see `stop_asked`.
 
         Returns
         -------
@@ -572,10 +576,10 @@ class Simulation:
                 return np.empty(0), records[:0]
         heard = 0 if self.operation is None else self.operation.heard
         if heard != self._heard or self._return.is_due(self.cpu_seconds):
-            self._return.take([array for array, _ in self._in_use.values()], first, self.cpu_seconds)
+            self._return.take(self._arrays_in_use, first, self.cpu_seconds)
             self._heard = heard
         begin = clock.thread_time()
-        done = self._call(first, last, every, records)
+        done = self._call(first, last, every, records, self.stop_asked)
         self.cpu_seconds += clock.thread_time() - begin
         self.step_index = int(done)
         status = int(self._layout.work.status.outcome)
@@ -583,7 +587,7 @@ class Simulation:
             self.outcome, self.message = self.operation.end  # behind a step that is good
             self.ended = self.outcome is Outcome.COMPLETED
             self._layout.work.status.words[:] = 0.0
-        elif done < last:
+        elif status != 0:
             self._stop()
             self._back_to(first, done, records)
         count = int(done) // every - first // every
@@ -597,7 +601,8 @@ class Simulation:
             self._lone.add(records[:count])
         begin_row = first // every + 1
         times = np.arange(begin_row, begin_row + count, dtype=np.float64)
-        times *= every
+        if every > 1:
+            times *= every
         times *= self.step
         return times, records[:count]
 
@@ -620,11 +625,28 @@ class Simulation:
         layout = self._layout
         if self._calls[0] is not layout:
             scene = layout.bodies, layout.forces, layout.joints, layout.systems, layout.work
+            if self.integrator == "accurate":
+                from heavylift.solver.integrate.trees.forest import stepped
+
+                scene = stepped(layout)
             self._calls = layout, self._run.with_first(*scene), write_record.with_first(*scene)
         return self._calls[1:]
 
-    def _call(self, first: int, last: int, every: int, records: NDArray[np.float64]) -> int:
-        return int(self._entries[0](self.step, self.tolerance, first, last, every, records))
+    def _call(
+        self,
+        first: int,
+        last: int,
+        every: int,
+        records: NDArray[np.float64],
+        stop: Callable[[], object] = bool,
+    ) -> int:
+        """Last step that was completed, with its records; a call that has come back before goes on unless stopped."""
+        status, done = self._layout.work.status, first
+        while True:
+            rows = records[done // every - first // every :]
+            done = int(self._entries[0](self.step, self.tolerance, done, last, every, rows))
+            if done == last or status.outcome != 0 or stop():
+                return done
 
     def _write(self, row: NDArray[np.float64]) -> None:
         self._entries[1](self.time, row)
@@ -679,6 +701,7 @@ class Simulation:
             modes,
             self._watch.warning,
             steps,
+            loop_warning(layout, self.tolerance),
             self._lone_extremes,
             *(look(layout) for look in seen),
         ]
@@ -760,7 +783,7 @@ class Simulation:
         self.ended = ended and self.step_index % self.record_every == 0  # it continues to its next record
         self._started = True
         self._begin_again()
-        self._return.take([array for array, _ in self._in_use.values()], self.step_index, self.cpu_seconds)
+        self._return.take(self._arrays_in_use, self.step_index, self.cpu_seconds)
 
     def _begin_again(self) -> None:
         """Forget what belongs to a state that is there no more."""
@@ -813,6 +836,13 @@ class Simulation:
 
             found |= words_in_use(self._layout.systems[1], self._carried)
         return found
+
+    @property
+    def _arrays_in_use(self) -> list[NDArray[Any]]:
+        """The arrays of these alone."""
+        if not self._touches:
+            return list(self._carried.values())
+        return [array for array, _ in self._in_use.values()]
 
     def _arrays(self) -> Iterator[tuple[str, NDArray[Any]]]:
         """Arrays that the step writes, by kind and field."""

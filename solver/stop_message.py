@@ -17,6 +17,7 @@ __all__ = [
     "energy_remedy",
     "force_warning",
     "hull_warning",
+    "loop_warning",
     "mesh_warning",
     "stop_message",
 ]
@@ -66,6 +67,8 @@ def stop_message(layout: Layout, when: str) -> str:
 
         happened, remedy = left_because(layout.bodies, int(status.body))
         reason = f": {happened}" if happened else ""
+    if outcome is Outcome.STEP_TOO_SMALL:
+        reason = _creeping(layout)
     if outcome is Outcome.NOT_CLOSED:
         parted = _parted(layout, int(status.block))
         if parted[0]:
@@ -99,6 +102,26 @@ def stop_message(layout: Layout, when: str) -> str:
     # other rows of the same step may have left their number after a wheel ended the run
     name = vehicle if part == "transporter" and vehicle else names[number]
     return f"{outcome.text} at {when}, {part} {name!r}{element}{reason}; try {remedy}"
+
+
+def loop_warning(layout: Layout, tolerance: float) -> str:
+    """Rows that follow from others, and open by more than positions may be wrong [m]; empty without."""
+    progress = getattr(layout.systems[-1], "progress", None) if layout.systems else None
+    if progress is None or not progress.left_open > tolerance:
+        return ""
+    return (
+        f"joints of a loop contradict each other: some of what they hold follows from the rest but for"
+        f" {progress.left_open:.3g} m or rad, by which it has opened, and the loop moves as if it were not there; give"
+        " its axes and points with more digits, or leave the joint out that holds it twice"
+    )
+
+
+def _creeping(layout: Layout) -> str:
+    """How many steps have led to no record, if there were too many; empty without."""
+    progress = layout.systems[-1].progress
+    if progress.steps < progress.most_steps:
+        return ""
+    return f": {progress.steps:,} steps since the last record, the last one of {layout.work.control.last_step:.3g} s"
 
 
 def _parted(layout: Layout, block: int) -> tuple[str, str, str]:

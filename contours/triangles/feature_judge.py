@@ -99,7 +99,7 @@ NEAR_PART = 0.5
 """A feature belongs to the other side of a triangle if most of its edge lies there."""
 
 INSIDE = -1e-9
-"""Weight of a corner from which on a point counts as inside a triangle."""
+"""Weight of a corner from which on a point counts as inside a triangle, but for rounding."""
 
 
 class Meeting(NamedTuple):
@@ -692,7 +692,8 @@ def fan_is_crossed(
     reference
         Point of what x touches [m]: an x that lies on a triangle counts as on this side of it.
     rounding
-        Distance [m] below which x lies on a triangle.
+        Distance [m] below which x lies on a triangle, and by which an edge may miss one and still go through it: of
+        two boxes of one size on each other the sides are flush but for what they have crept.
     """
     points = surfaces.points
     vertex_first, vertex_neighbours = surfaces.vertex_first, surfaces.vertex_neighbours
@@ -734,6 +735,10 @@ def fan_is_crossed(
             # weights of the corners
             u = dot(cross(foot, b), n) / (area * area)
             v = dot(cross(a, foot), n) / (area * area)
-            if u >= INSIDE and v >= INSIDE and u + v <= 1.0 - INSIDE:
+            c = subtract(b, a)
+            near_u = INSIDE - rounding * math.sqrt(dot(b, b)) / area
+            near_v = INSIDE - rounding * math.sqrt(dot(a, a)) / area
+            near_w = INSIDE - rounding * math.sqrt(dot(c, c)) / area
+            if u >= near_u and v >= near_v and 1.0 - u - v >= near_w:
                 return True
     return False

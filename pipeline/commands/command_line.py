@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 from cyclopts import Parameter
 
 from heavylift.numerics.outcome import InputError, InputErrors, Outcome
+from heavylift.numerics.processors import processors
 from heavylift.pipeline.log import say_on
 
 if TYPE_CHECKING:
@@ -97,6 +98,7 @@ def guarded(command: "Callable[[Log], int]", *, quiet: bool, json: bool) -> int:
     from heavylift.pipeline.results.storage import FULL, StopError
 
     try:
+        processors()  # a wrong number of them is wrong whatever there is to do
         return command(Log(quiet=quiet, stream=sys.stderr if json else None))
     except InputError as error:
         message, outcome = str(error), Outcome.BAD_INPUT

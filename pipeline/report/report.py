@@ -163,11 +163,11 @@ def write_report(
     # stress over the run is made where it is drawn, and criteria are judged by it
     first = not any(getattr(body, "stress", None) for body in flexible.values())
     try:
-        made = _side_by_side(
+        made, spoken = _side_by_side(
             drawn, judged_part, plotted_part, album, log, alone=renderer is None, judge_first=first
         )
         if made is None:
-            pictured_sections = [make(album, log) for make in drawn]
+            pictured_sections = [make(album, None if spoken else log) for make in drawn]
             made = _Made(pictured_sections, judged_part(album), plotted_part(album))
     finally:
         if renderer is not None:
@@ -242,15 +242,16 @@ def _side_by_side(
     *,
     alone: bool,
     judge_first: bool,
-) -> _Made | None:
+) -> tuple[_Made | None, bool]:
     """Sections whose bodies are drawn by other processes, while this one plots; None if it is to do all by itself.
 
-    So it is where no other may, and where two parts have pictures of one name, which follow each other then.
+    So it is where no other may, and where two parts have pictures of one name, which follow each other then. What is to
+    be said of what is drawn has been said already in that case, as the second value tells.
     """
     parts = [partial(_drawn_part, make, album.folder, log) for make in drawn]
     with SideBySide(parts, alone=alone or has_drawn()) as processes:
         if processes.count == 1:
-            return None
+            return None, False
         for module in ("pyvista", "matplotlib.pyplot"):  # once, not in each process
             with contextlib.suppress(ImportError):
                 importlib.import_module(module)
@@ -269,8 +270,8 @@ def _side_by_side(
         album.pictures.update(content)
     if len(album.pictures) < sum(map(len, contents)):
         album.pictures.clear()
-        return None
-    return _Made([sections for sections, _ in found], judged, plotted)
+        return None, True
+    return _Made([sections for sections, _ in found], judged, plotted), True
 
 
 def _drawn_part(

@@ -12,6 +12,7 @@ import os
 from functools import cached_property
 from typing import TYPE_CHECKING
 
+from heavylift.numerics.processors import processor_type
 from heavylift.pipeline.results.provenance import versions
 from heavylift.pipeline.results.storage import StopError, replacing
 
@@ -50,8 +51,8 @@ class DerivedFiles:
 
     @cached_property
     def versions(self) -> str:
-        """Of the packages that compute."""
-        return repr(versions("derived"))
+        """Of the packages that compute, and the processor, whose instructions may round otherwise."""
+        return repr((versions("derived"), processor_type()))
 
     def read(self, name: str) -> bytes | None:
         """A file of this folder, or of another one; None if there is none that can be read."""

@@ -3,20 +3,19 @@
 from __future__ import annotations
 
 import json
-import platform
 import zipfile
-from functools import cache
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from heavylift.numerics.processors import processor_type
 from heavylift.pipeline.results.provenance import source_digest, versions
 from heavylift.pipeline.results.storage import digest_bytes, digest_json, replacing
 from heavylift.solver.start.kept import FoundStart
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
+    from pathlib import Path
 
     from numpy.typing import NDArray
 
@@ -69,18 +68,7 @@ class KeptStart:
 
 def _key(digest: str) -> str:
     """Digest of a scene with all of the program that a search runs, and what it runs on."""
-    known = [FORMAT, digest, source_digest("start"), versions("start"), platform.machine(), _processor()]
-    return digest_json(known)
-
-
-@cache
-def _processor() -> str:
-    """What the first processor can do: compiled code and libraries choose their instructions by that."""
-    try:
-        told = Path("/proc/cpuinfo").read_text(encoding="utf-8").partition("\n\n")[0].splitlines()
-    except OSError:
-        return platform.processor()
-    return "\n".join(line for line in told if line.startswith(("model name", "flags", "Features")))
+    return digest_json([FORMAT, digest, source_digest("start"), versions("start"), processor_type()])
 
 
 def _checksum(arrays: Mapping[str, NDArray[np.uint8]]) -> str:

@@ -58,6 +58,7 @@ class SimulationLike(Protocol):
     message: str
     ended: bool
     cpu_seconds: float
+    stop_asked: Callable[[], object]
 
     @property
     def channels(self) -> Sequence[Any]: ...
@@ -182,6 +183,7 @@ class Advancer:
             If the disk is full; the segments written before are intact, and the state in memory is lost.
         """
         simulation = self.simulation
+        simulation.stop_asked = stop.__bool__
         if not any(mark.records for mark in self.segments):
             self._keep(
                 np.array([simulation.step_index * simulation.step]), simulation.record()[np.newaxis, :]

@@ -1,4 +1,4 @@
-"""How many contacts there are, how many of them take part, and what they are called in messages.
+"""How many contacts there are, what they are called in messages, and what of steps is the same for all of them.
 
 Contacts of contours are always there. Those between triangles come behind them and come and go.
 """
@@ -7,8 +7,12 @@ from __future__ import annotations
 
 from heavylift.numerics.jit import kernel
 from heavylift.solver.contact.kind import ContactRows
+from heavylift.solver.interface import Workspace
 
-__all__ = ["block_of", "contact_count", "owner_of"]
+__all__ = ["block_of", "carried_on", "contact_count", "owner_of"]
+
+FARTHEST = 0.75
+"""Of the change from one step to the next; behind a step that an impact has cut to nothing more would be noise."""
 
 
 @kernel(inline=True, internal=True)
@@ -30,3 +34,9 @@ def owner_of(contacts: ContactRows, contact: int) -> int:
 def block_of(contacts: ContactRows, contact: int) -> int:
     """Number of the name of a contact: those of joints come first, then of contacts, then of pairs of surfaces."""
     return contacts.counts.first_block + owner_of(contacts, contact)
+
+
+@kernel(inline=True, internal=True)
+def carried_on(step: float, work: Workspace) -> float:
+    """Part of the change of a mean force from step to step that leads from the middle of this one to its end."""
+    return min(step / (step + work.control.last_step), FARTHEST)

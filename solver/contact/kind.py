@@ -217,10 +217,13 @@ class ContactState(Record):
         At the end of the last step [N].
     touch_damping
         Damping of Hunt and Crossley that belongs to the present touch, negative before it is known.
+    changed
+        Whether it has borne in this step and not in the one before, or the other way round.
     warm_start
         Impulses of the last step, which start the next iteration [N s].
     middle_force
-        Forces of the three rows in the middle of the last step [N].
+        Forces of the three rows in the middle of the last step [N], without those of blows; of a step that was cut the
+        mean over about a whole one.
     new, near, present
         Whether it closes at the end of this step; whether it was near at its beginning; whether it takes part in the
         present stage.
@@ -289,6 +292,7 @@ class ContactState(Record):
     touch_damping: float
     warm_start: Vector
     middle_force: Vector
+    changed: bool
     new: bool
     near: bool
     present: bool
@@ -438,6 +442,8 @@ class Events(Record):
         Whether the step is a whole one, without an impact within.
     stopping_work
         Work of rows that look ahead in the middle of the step [J].
+    struck
+        Whether something hits at the end of the step: what its impulse does to others is no force.
     time
         End of the step [s].
     failure
@@ -466,6 +472,7 @@ class Events(Record):
     known: int
     uncut: bool
     stopping_work: float
+    struck: bool
     time: float
     failure: int
 

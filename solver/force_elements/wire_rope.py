@@ -113,6 +113,9 @@ __all__ = [
     "winch_state",
 ]
 
+AT_LENGTH = 1e-12
+"""Relative elongation up to which a rope is at its length, and slack: rounding decides on no damper."""
+
 LARGEST_STRAIN = 0.02
 """Strain of a wire rope at the start above which it is refused: steel ropes break near it."""
 
@@ -673,7 +676,7 @@ def _tension_now(
     hauled, hauling = winch_state(kind, i, time)
     rest = _length_in_play(kind, i, hauled)
     elastic = tension = 0.0
-    if not length <= rest:  # a length that is no number stops the run
+    if not length <= rest * (1.0 + AT_LENGTH):  # a length that is no number stops the run
         elastic = stiffness_of(kind, i, 1.0 / rest) * (length - rest)
         tension = max(0.0, elastic + kind.table[i].damping * (rate + hauling))
     kind.state[i].rest = rest

@@ -33,6 +33,7 @@ from heavylift.solver.joints.coordinate import (
     ANGLE,
     CoordinateEntry,
     add_load,
+    coordinate_rate,
     joint_coordinate,
     joint_markers,
 )
@@ -189,10 +190,13 @@ def motor_load(kind: Motors, i: int, time: float) -> float:
 @implement(add_forces, Motors)
 @kernel(internal=True)
 def add_motors(kind: Motors, time: float, work: Workspace) -> None:
-    """Loads on the markers, which no other force uses."""
+    """Loads on the markers, which no other force uses; their power, which bodies count as that of outer forces."""
     for i in range(kind.table.shape[0]):
-        motor = kind.table[i]
-        add_load(work, motor.coordinate, motor.a, motor.b, motor.c, motor_load(kind, i, time))
+        motor, load = kind.table[i], motor_load(kind, i, time)
+        add_load(work, motor.coordinate, motor.a, motor.b, motor.c, load)
+        power = load * coordinate_rate(work, motor.coordinate, motor.a, motor.b, motor.c)
+        work.sums.external_work -= power
+        work.sums.drive_work += power
 
 
 @kernel(internal=True)

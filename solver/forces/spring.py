@@ -459,13 +459,17 @@ def _elongation(kind: Springs, i: int, q: float) -> float:
 @implement(add_forces, Springs)
 @kernel(internal=True)
 def add_springs(kind: Springs, time: float, work: Workspace) -> None:
-    """Forces on both sides."""
+    """Forces on both sides; the power of dampers, which bodies count as that of outer forces, is lost."""
     for i in range(kind.table.shape[0]):
         spring = kind.table[i]
         if spring.block < 0:
             q = coordinate_value(work, spring.coordinate, spring.a, spring.b, spring.c)
-            load = spring_load(kind.curves, spring, _elongation(kind, i, q), end_rate(spring, work))
+            rate = end_rate(spring, work)
+            load = spring_load(kind.curves, spring, _elongation(kind, i, q), rate)
             add_load(work, spring.coordinate, spring.a, spring.b, spring.c, -load)
+            lost = spring.damping * rate * rate
+            work.sums.external_work += lost
+            work.sums.dissipated += lost
 
 
 @implement(hold_turns, Springs)

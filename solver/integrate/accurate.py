@@ -94,6 +94,9 @@ AT_REST_FOR = 100.0
 """Output intervals: what could begin with a longer step is at rest but for rounding, which tells nothing of a step. The
 positions tried in steps of days are anywhere, and turns of an angle are counted through them."""
 
+PIECE = 20_000
+"""Steps after which a call comes back, so that someone can end the run."""
+
 SHORTEST = 1e-13
 """Shortest step, relative to the time or to the output interval."""
 
@@ -119,7 +122,9 @@ def _evaluate(
     size = values.shape[0] // VECTORS
     at, out, end = stage * size, rate * size, (rate + 1) * size - QUADRATURES
     if progress.trees:
-        evaluate_trees(rows, bodies, forces, joints, rows, work, integration, at, out, time, with_reactions)
+        evaluate_trees(
+            rows, bodies, forces, joints, rows, work, integration, at, out, time, with_reactions, factored
+        )
         return
     begin_stage(bodies, time, values, at, work)
     write_rates(integration.coordinates, values, at, out)
@@ -475,7 +480,8 @@ def run(
     Returns
     -------
     int
-        Last index that was completed; `work.status` says why if it is not `last`.
+        Last index that was completed. If it is not `last`, `work.status` says why, or `PIECE` steps are done: the next
+        call continues with the same bits.
     """
     integration, rows = carried(systems, 0), systems
     progress = integration.progress
@@ -485,12 +491,20 @@ def run(
     if not progress.started:  # reactions of the first record
         _take_newest(integration, END, 1)
         _evaluate(bodies, forces, joints, rows, work, integration, END, END_RATE, 0.0, True, False)
-    row = 0
+    row = taken = 0
     for index in range(first, last):
         time = (index + 1) * step
         while _known_until(progress) < time:
+            if taken == PIECE:
+                return index
+            if progress.steps == progress.most_steps:
+                work.status.outcome = STEP_TOO_SMALL
+                return index
             if not _step(bodies, forces, joints, rows, work, integration, SHARE * tolerance, step):
                 return index
+            taken += 1
+            progress.steps += 1
+        progress.steps = 0
         if (index + 1) % every == 0:
             _sample(bodies, forces, joints, rows, work, integration, time)
             write_record(bodies, forces, joints, systems, work, time, records[row])

@@ -55,6 +55,9 @@ LOOSEST_SHARED, LOOSEST_LOOP = 1e-6, 1e-4
 OPENS = 10.0
 """Gap of a row that was left out, in largest errors of a step, from which on it is needed."""
 
+MOST_STEPS = 10_000_000
+"""Between two records: minutes of work, after which a run that creeps ends."""
+
 LOOSEST_IN_TREES = 1e-3
 """The same where most joints are coordinates of trees. A four-bar leaves its branch with 1e-2."""
 
@@ -93,6 +96,10 @@ class Progress(Record):
         Of those, at the start [m, rad].
     largest_error
         Of a step, whatever the tolerance [m].
+    steps, most_steps
+        Since the last record, and how many there may be.
+    left_open
+        Largest opening of rows that follow from others and were left out, where no choice of rows closes it [m, rad].
     trees, velocities, spin
         Whether bodies are in trees, whose coordinates the state vector has; velocities that it begins with; largest
         spin of a body [rad/s].
@@ -119,6 +126,9 @@ class Progress(Record):
     chosen: bool
     start_gap: float
     largest_error: float
+    steps: int
+    most_steps: int
+    left_open: float
     trees: bool
     velocities: int
     spin: float
@@ -257,6 +267,7 @@ def make_integration(
     if not all(_is_tree(system) for system in systems):
         softening, progress.solutions = SHARED_SOFTENING, 2
         progress.largest_error = (LOOSEST_SHARED if trees is None else LOOSEST_IN_TREES) * progress.length
+    progress.most_steps = MOST_STEPS
     if trees is not None:
         progress.trees, progress.velocities, place = True, trees[0], sum(trees)
         coordinates = records(Coordinates, 0)

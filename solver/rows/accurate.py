@@ -223,7 +223,7 @@ def _watch_gaps(system: RowSystem, integration: Integration, allowed: float) -> 
     if not progress.started:
         progress.start_gap = gap
     elif not gap <= 2.0 * progress.start_gap + OPENS * allowed:
-        progress.chosen = False
+        progress.chosen, progress.left_open = False, gap
         progress.largest_error = LOOSEST_SHARED * progress.length
         for i in range(integration.softening.shape[0]):
             integration.softening[i] = SHARED_SOFTENING

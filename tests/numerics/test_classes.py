@@ -103,3 +103,9 @@ def test_a_plain_frozen_class_can_be_made_from_one() -> None:
     assert plain("a").depth == 1.0
     with pytest.raises(TypeError, match="frozen"):
         dataclass(type("Loose", (part,), {}))
+
+
+def test_a_parameter_that_is_no_field_is_refused() -> None:
+    plain = type("Plain", (), {"__annotations__": {"scale": dataclasses.InitVar[float], "size": float}})
+    with pytest.raises(TypeError, match=r"Plain\.scale: a parameter that is no field"):
+        dataclass(plain)

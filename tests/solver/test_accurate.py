@@ -11,10 +11,12 @@ from scipy.integrate import solve_ivp
 from scipy.special import ellipj
 
 from heavylift.numerics.jit import kernel
-from heavylift.numerics.outcome import InputError
+from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.solver.force_elements.wire_rope import Rope
+from heavylift.solver.forces.motor import JointMotor
 from heavylift.solver.forces.point import PointForce
 from heavylift.solver.forces.spring import JointSpring, Spring
+from heavylift.solver.integrate import integration
 from heavylift.solver.integrate.accurate import Integration, make_integration, stiffness_seen
 from heavylift.solver.integrate.dop853 import STAGES, write_end, write_stage
 from heavylift.solver.integrate.trees import forest
@@ -393,3 +395,113 @@ def test_steps_that_are_rejected_do_not_wind_a_rope_up(
         ends.append(channel(simulation, records, "axle of arm.angle")[-1, 0])
     assert ends[0] == pytest.approx(ends[1], abs=1e-4)
     assert abs(ends[1]) < 1.0  # the rope holds the arm
+
+
+@pytest.mark.parametrize("integrator", ["accurate", "accurate by rows", "dele2"])
+def test_work_of_motors_and_dampers_is_that_of_drives_and_losses(
+    integrator: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A motor of 8 N m on a rotor with a damper: ``w = M/c (1 - exp(-c t/J))``; a weight on a damped spring."""
+    monkeypatch.setattr(forest, "SERVED", integrator != "accurate by rows")
+    inertia, torque, damping, mass, stiffness, loss = 2.0, 8.0, 3.0, 4.0, 100.0, 5.0
+    rotor = RigidBody("rotor", 1.0, inertia * np.eye(3))
+    weight = RigidBody(
+        "weight", mass, np.eye(3), position=np.array([3.0, 0.0, 0.0]), velocity=np.array([1.5, 0.0, 0.0])
+    )
+    ends = {
+        "body_a": GROUND,
+        "point_a": np.array([1.0, 0.0, 0.0]),
+        "body_b": "weight",
+        "point_b": np.zeros(3),
+    }
+    scene = Scene(
+        (rotor, weight),
+        (
+            JointMotor(name="motor", joint="axle", load=torque),
+            JointSpring(name="brake", joint="axle", damping=damping),
+            Spring(name="spring", length=2.0, stiffness=stiffness, damping=loss, **ends),
+        ),
+        joints=(Hinge(name="axle", body_a=GROUND, body_b="rotor"),),
+    )
+    step = 0.001 if integrator == "dele2" else 0.1
+    options = {"record_every": 100} if integrator == "dele2" else {"tolerance": 1e-9}
+    simulation = Simulation(scene, step, integrator.split(maxsplit=1)[0], **options)
+    times, records = simulation.advance(round(2.0 / step))
+    rate = damping / inertia
+    speed = torque / damping * (1.0 - np.exp(-rate * times))
+    driven = torque * (torque / damping * times - speed / rate)
+    # x'' + 2 d x' + k/m x = 0 from x = 0
+    d = 0.5 * loss / mass
+    beat = np.sqrt(stiffness / mass - d * d)
+    x = 1.5 / beat * np.exp(-d * times) * np.sin(beat * times)
+    v = 1.5 * np.exp(-d * times) * np.cos(beat * times) - d * x
+    lost = driven - 0.5 * inertia * speed**2 + 0.5 * mass * (1.5**2 - v**2) - 0.5 * stiffness * x**2
+    near = 1e-4 if integrator == "dele2" else 1e-6
+    for name, expected in (("drive_work", driven), ("dissipated", lost), ("external_work", 0.0 * times)):
+        found = channel(simulation, records, f"energy.{name}")[:, 0]
+        np.testing.assert_allclose(found, expected, atol=near * driven[-1])
+
+
+def test_a_run_that_creeps_ends_with_a_reason(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(integration, "MOST_STEPS", 50)
+    simulation = Simulation(chain(1), 1e3, "accurate", tolerance=1e-8)
+    times, _ = simulation.advance(2)
+    assert not len(times)
+    assert simulation.outcome is Outcome.STEP_TOO_SMALL
+    assert "50 steps since the last record, the last one of 0.0" in simulation.message
+
+
+def test_a_long_way_between_records_can_be_ended_and_goes_on_with_the_same_bits() -> None:
+    """Some 40,000 steps from one record to the next: the integrator asks in between."""
+    whole, again = (Simulation(chain(1), 2e3, "accurate", tolerance=1e-8) for _ in range(2))
+    expected = whole.advance(2)[1]
+    asked = [0]
+
+    def stop() -> bool:
+        asked[0] += 1
+        return asked[0] == 1
+
+    again.stop_asked = stop
+    assert len(again.advance(2)[0]) == 0
+    assert again.outcome is Outcome.COMPLETED
+    third = Simulation(chain(1), 2e3, "accurate", tolerance=1e-8)
+    third.restore(again.state())
+    for simulation in (again, third):
+        np.testing.assert_array_equal(simulation.advance(2)[1], expected)
+
+
+@pytest.mark.parametrize("in_trees", [True, False])
+def test_a_rope_at_its_length_is_slack_whatever_the_last_bit(
+    in_trees: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Its damper would pull at once, where the length of its path is rounded up."""
+    monkeypatch.setattr(forest, "SERVED", in_trees)
+    rng = np.random.default_rng(3)
+    for _ in range(6):
+        end = rng.normal(size=3)
+        body = RigidBody(
+            "arm", 1.0, np.eye(3), position=0.5 * end, angular_velocity=np.array([0.0, 0.0, 1.0])
+        )
+        ends = RopePoint(GROUND, rng.normal(size=3)), RopePoint("arm", 0.5 * end)
+        rope = Rope(name="rope", path=ends, axial_stiffness=1e3, damping=1e3)
+        axle = Hinge(name="axle", body_a=GROUND, body_b="arm", frame_b=JointFrame(-0.5 * end))
+        simulation = Simulation(
+            Scene((body,), ropes=(rope,), joints=(axle,)), 0.1, "accurate", start="project"
+        )
+        assert channel(simulation, simulation.record()[None], "rope.tension")[0, 0] == 0.0
+
+
+@pytest.mark.parametrize("offset", [0.0, 1e-5])
+def test_hinges_that_contradict_each_other_are_told(offset: float) -> None:
+    """A door on two hinges whose axes are parallel but not one: strictly it cannot move."""
+    door = RigidBody("door", 20.0, np.diag([7.0, 2.0, 5.0]), position=np.array([0.5, 0.0, 1.0]))
+    upper = JointFrame(np.array([0.0, offset, 1.8])), JointFrame(np.array([-0.5, offset, 0.8]))
+    lower = JointFrame(np.array([0.0, 0.0, 0.2])), JointFrame(np.array([-0.5, 0.0, -0.8]))
+    joints = tuple(
+        Hinge(name=name, body_a=GROUND, body_b="door", frame_a=a, frame_b=b)
+        for name, (a, b) in (("upper", upper), ("lower", lower))
+    )
+    push = PointForce("push", "door", np.zeros(3), np.zeros(1), np.array([[0.0, 10.0, 0.0]]))
+    simulation = Simulation(Scene((door,), (push,), joints=joints), 0.05, "accurate")
+    simulation.advance(20)
+    assert ("joints of a loop contradict each other" in simulation.warning) is (offset > 0.0)

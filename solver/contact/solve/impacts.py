@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.jit import kernel
 from heavylift.solver.contact import layout
-from heavylift.solver.contact.counts import contact_count, owner_of
+from heavylift.solver.contact.counts import carried_on, contact_count, owner_of
 from heavylift.solver.contact.kind import BILATERAL, COMPLIANT, CURVE, RIGID, TRIANGLES, ContactRows
 from heavylift.solver.contact.laws.normal_force import normal_force, stored_energy
 from heavylift.solver.contact.laws.restitution import bound_restitution
@@ -48,7 +48,7 @@ from heavylift.solver.interface import (
 from heavylift.solver.kinds import implement
 from heavylift.solver.ringing import steady_rate
 
-__all__ = ["REST", "count_rough", "pressed_force"]
+__all__ = ["REST", "count_rough", "keep_in_cone", "pressed_force", "write_force"]
 
 REST = 1e-6
 """Rate after an impact relative to that before it, below which the contact is closed."""
@@ -80,6 +80,12 @@ def _is_new(contacts: ContactRows, c: int, step: float, velocity: NDArray[np.flo
     return rate < 0.0 and state.end_gap <= gap_tolerance(contacts, c, rate) + soon
 
 
+@kernel(inline=True, internal=True)
+def _is_blow(contacts: ContactRows, c: int, rate: float) -> bool:
+    """Whether what closes at a rate hits; more slowly than that it has come to rest on what bears."""
+    return -rate * contacts.control.nominal_step > CLOSE * contacts.values[c].length_scale
+
+
 @implement(solve_end, ContactRows)
 @kernel(internal=True)
 def solve_contact_end(
@@ -94,11 +100,13 @@ def solve_contact_end(
     """With the factor of the joints at the end of the step, which have been solved without contacts.
 
     Where something hits, what has been closed all along is projected first: an impact may lift it, but cannot take back
-    the impulses that have borne it until then.
+    the impulses that have borne it until then. Not so what a row has stopped in the middle of the step: what is closed
+    has borne that too, and both are solved for together.
     """
     contacts.control.time = time + step
     stop_asleep(contacts, work.velocity)
-    closed, hits = 0, 0
+    closed, hits, stopped = 0, 0, 0
+    contacts.control.struck = False
     for c in range(contact_count(contacts)):
         if rests(contacts, c):
             continue
@@ -109,9 +117,13 @@ def solve_contact_end(
         state.new = _is_new(contacts, c, step, work.velocity)
         if state.new and not state.present:
             hits += 1
+            if _is_blow(contacts, c, contact_rates(contacts, c, work.velocity)[0]):
+                contacts.control.struck = True
+        elif state.new:
+            stopped += 1
         elif state.closed:
             closed += 1
-    apart = closed > 0 and hits > 0
+    apart = closed > 0 and hits > 0 and stopped == 0
     if apart:
         if not _project(contacts, rows, bodies, joints, work, time, step, True, False):
             return
@@ -236,7 +248,10 @@ def _book_impact(contacts: ContactRows, j: int, smooth: bool, work: Workspace) -
         known = gap_tolerance(contacts, c, 0.0)
         if state.gap > known or -state.rate * contacts.control.nominal_step > known:
             state.impacts += 1
-        state.impact_impulse += impulse[0]
+        # what a row has stopped in the middle of the step had the rest of its blow there
+        state.impact_impulse += impulse[0] + (
+            2.0 * contacts.rows[c].half_impulse[0] if state.present else 0.0
+        )
 
 
 @implement(close_step, ContactRows)
@@ -247,16 +262,17 @@ def close_contact_step(
     """What stays closed, sums and forces of the step; after the bodies have taken their velocities."""
     add_row_work(bodies, 1.0, work, contacts)
     judge_searches(contacts, True, work)
+    # what keeps a contact without compliance closed is an impulse: over a part of a cut step it is no force
+    contacts.control.uncut = step >= UNCUT * contacts.control.nominal_step
+    ahead = carried_on(step, work)
     for c in range(contact_count(contacts)):
         if rests(contacts, c):
             state = contacts.state[c]
             state.step_impulse = step * state.middle_force[0]
             state.impulse += state.step_impulse
         else:
-            _close_one(contacts, c, step, work)
+            _close_one(contacts, c, step, ahead, work)
     interval = work.control.interval
-    # what keeps a contact without compliance closed is an impulse: over a part of a cut step it is no force
-    contacts.control.uncut = step >= UNCUT * contacts.control.nominal_step
     for c in range(contacts.counts.of_contours):
         state = contacts.state[c]
         if contacts.control.uncut or contacts.table[c].law == COMPLIANT:
@@ -303,17 +319,26 @@ def count_rough(contacts: ContactRows) -> None:
 
 
 @kernel(internal=True)
-def _close_one(contacts: ContactRows, c: int, step: float, work: Workspace) -> None:
+def _close_one(contacts: ContactRows, c: int, step: float, ahead: float, work: Workspace) -> None:
+    """What stays closed, and forces: `ahead` tells how far those of the middle of the step are carried on."""
     state, values = contacts.state[c], contacts.values[c]
     impulse, half_impulse = contacts.rows[c].impulse, contacts.rows[c].half_impulse
     reaction = contacts.rows[c].reaction
     kind = contacts.table[c].law
     touched = state.present or state.new or state.closed
+    kept = 0.0  # of the force before, in a part of a step
+    if not contacts.control.uncut and kind != COMPLIANT:
+        kept = 1.0 - step / contacts.control.nominal_step
     if not touched and state.sleep > 0.0:
-        state.step_impulse = 0.0
-        state.normal_force = state.friction_force = state.slip_speed = 0.0
+        state.step_impulse = state.slip_speed = 0.0
+        state.changed = state.middle_force[0] != 0.0
+        state.normal_force = state.friction_force = 0.0
         for r in range(3):
-            reaction[r] = state.force[r] = state.warm_start[r] = state.middle_force[r] = 0.0
+            state.middle_force[r] *= kept
+            reaction[r] = state.middle_force[r]
+            state.force[r] = state.warm_start[r] = 0.0
+        if reaction[0] != 0.0:
+            write_force(contacts, c, reaction, kind)
         state.gap, state.second_gap = state.end_gap, state.second_end_gap
         # so near it has been searched, and has rows
         near = state.located or state.end_gap <= CLOSE * values.length_scale
@@ -326,12 +351,19 @@ def _close_one(contacts: ContactRows, c: int, step: float, work: Workspace) -> N
         total = math.hypot(total, 2.0 * half_impulse[1] + impulse[1])
     state.impulse += abs(total) if kind == CURVE else total
     state.step_impulse = total
-    resting = state.present and not state.new
-    ahead = step / (step + work.control.last_step)
+    new, struck = state.new, contacts.control.struck
+    resting = state.present if not new else not struck and not _is_blow(contacts, c, _approach(contacts, c))
+    apart = struck and not new and state.closed  # the end of the step is that of the blow
     for r in range(3):
-        middle = (2.0 * half_impulse[r] + impulse[r]) / step if resting else 0.0
+        middle = 0.0
+        if resting:
+            middle = 2.0 * half_impulse[r] if apart else 2.0 * half_impulse[r] + impulse[r]
+            middle /= contacts.control.nominal_step if kept > 0.0 else step
         before = state.middle_force[r]
-        continued = before != 0.0 and middle != 0.0 and kind != COMPLIANT
+        if r == 0:
+            state.changed = (before != 0.0) != (middle != 0.0)
+        middle += kept * before
+        continued = before != 0.0 and middle != 0.0 and kind != COMPLIANT and contacts.control.uncut
         reaction[r] = middle + (ahead * (middle - before) if continued else 0.0)
         state.middle_force[r] = middle
         state.warm_start[r] = half_impulse[r]
@@ -364,8 +396,15 @@ def _close_one(contacts: ContactRows, c: int, step: float, work: Workspace) -> N
         kept = slip_energy(contacts, c)
         state.jump += state.kept - kept
         state.kept = kept
-    _keep_in_cone(contacts, c, reaction, kind)
-    _write_force(contacts, c, reaction, kind)
+    keep_in_cone(contacts, c, reaction, kind)
+    write_force(contacts, c, reaction, kind)
+
+
+@kernel(inline=True, internal=True)
+def _approach(contacts: ContactRows, c: int) -> float:
+    """Rate with which a new contact has come; what a row has stopped in the middle of the step came before."""
+    state = contacts.state[c]
+    return state.start_rate if state.present else state.rate
 
 
 @kernel(internal=True)
@@ -399,7 +438,7 @@ def pressed_force(contacts: ContactRows, c: int, rate: float) -> float:
 
 
 @kernel(internal=True)
-def _keep_in_cone(contacts: ContactRows, c: int, reaction: NDArray[np.float64], kind: int) -> None:
+def keep_in_cone(contacts: ContactRows, c: int, reaction: NDArray[np.float64], kind: int) -> None:
     """Forces that were carried on to the end of the step obey the law too: none pulls, friction has its bound."""
     first = 2 if kind == CURVE else 1
     normal = math.hypot(reaction[0], reaction[1]) if kind == CURVE else reaction[0]
@@ -422,7 +461,7 @@ def _damping(contacts: ContactRows, c: int) -> float:
 
 
 @kernel(internal=True)
-def _write_force(contacts: ContactRows, c: int, reaction: NDArray[np.float64], kind: int) -> None:
+def write_force(contacts: ContactRows, c: int, reaction: NDArray[np.float64], kind: int) -> None:
     """Force on what touches, in the world."""
     state = contacts.state[c]
     f1, f2, f3 = reaction[0], reaction[1], reaction[2]

@@ -12,7 +12,7 @@ from heavylift.contours.triangles.feature_report import ContactList
 from heavylift.contours.triangles.surface_layout import RelativeMotion, RelativePose
 from heavylift.contours.triangles.surface_pack import CollisionSurfaces
 from heavylift.numerics.arrays import Arrays, Floats1, Floats2, Ints1, Ints2
-from heavylift.numerics.records import Record, Records, record_at
+from heavylift.numerics.records import Record, Records, Vector, record_at
 from heavylift.solver.contact.kind import ContactState, ContactValues
 from heavylift.solver.extremes import Extremes
 from heavylift.solver.kinds import Table
@@ -74,8 +74,9 @@ class SurfacePair(Record):
         `SurfacePairs.next_member`.
     measured
         Whether its clearance is asked for.
-    force, gap
-        Sum of the normal forces [N] and smallest gap [m] of its contacts, while those of a step are noted.
+    force, borne, middle, gap, changed
+        Sum of the normal forces, of those in the middle of the step, and of the forces there in the world [N], smallest
+        gap [m] of its contacts, and whether others bear than in the step before, while those of a step are noted.
     """
 
     surfaces: BothInts
@@ -104,7 +105,10 @@ class SurfacePair(Record):
     last_member: int
     measured: bool
     force: float
+    borne: float
+    middle: Vector
     gap: float
+    changed: bool
 
 
 class PairSide(Record):
@@ -143,6 +147,8 @@ class GoneContacts(Record):
         may come back; a negative one comes from nowhere, so it is no negative loss but stays in the balance.
     forces, gaps
         Extremes of the sum of the normal forces and of the smallest gap.
+    middle
+        Of the pair: sum of the forces in the middle of the last step, in the world [N].
     strongest
         Largest normal force of a contact since the start [N].
     pulls, turned, opposed
@@ -158,6 +164,7 @@ class GoneContacts(Record):
     jumps: float
     forces: Extremes
     gaps: Extremes
+    middle: Vector
     strongest: float
     pulls: Fault
     turned: Fault

@@ -6,9 +6,10 @@ import math
 
 from heavylift.numerics.arrays import Floats1
 from heavylift.numerics.jit import kernel
-from heavylift.solver.contact.counts import contact_count
-from heavylift.solver.contact.kind import COMPLIANT, ContactRows
+from heavylift.solver.contact.counts import carried_on, contact_count
+from heavylift.solver.contact.kind import COMPLIANT, RIGID, ContactRows
 from heavylift.solver.contact.laws.normal_force import stored_energy
+from heavylift.solver.contact.solve.impacts import keep_in_cone, write_force
 from heavylift.solver.contact.triangles.interface import (
     record_clearance,
     record_pairs,
@@ -34,7 +35,9 @@ def watch_mesh_pairs(meshes: SurfacePairs, contacts: ContactRows, work: Workspac
     interval = work.control.interval
     for pair in range(meshes.pairs.shape[0]):
         one = meshes.pairs[pair]
-        one.force, one.gap = 0.0, one.reach
+        one.force, one.borne, one.gap, one.changed = 0.0, 0.0, one.reach, False
+        for k in range(3):
+            one.middle[k] = 0.0
     for c in range(contacts.counts.of_contours, contact_count(contacts)):
         state = contacts.state[c]
         one = meshes.pairs[state.pair]
@@ -43,15 +46,70 @@ def watch_mesh_pairs(meshes: SurfacePairs, contacts: ContactRows, work: Workspac
         one.gap = min(one.gap, state.gap)
         if state.normal_force > 0.0 or state.closed:
             one.force += state.normal_force
+        if one.law == RIGID:
+            one.borne += state.middle_force[0]
+            one.changed |= state.changed
+            for k in range(3):
+                one.middle[k] += _in_world(contacts, c, k)
+    for pair in range(meshes.pairs.shape[0]):
+        one, before = meshes.pairs[pair], 0.0
+        for k in range(3):
+            before += abs(gone_contacts(contacts.placed[surface_count(contacts, meshes) + pair], 0).middle[k])
+        one.changed = one.changed and before > 0.0 and one.borne > 0.0
+    _carry_on(meshes, contacts, work)
+    for c in range(contacts.counts.of_contours, contact_count(contacts)):
         judge_contact(meshes, contacts, c)
     for pair in range(meshes.pairs.shape[0]):
         one = meshes.pairs[pair]
         gone = gone_contacts(contacts.placed[surface_count(contacts, meshes) + pair], 0)
+        for k in range(3):
+            gone.middle[k] = one.middle[k]
         if contacts.control.uncut or one.law == COMPLIANT:
             note_value(gone.forces, interval, one.force)
         if one.gap < one.reach:
             note_value(gone.gaps, interval, one.gap)
         watch_clearance(meshes.clearances, meshes, contacts, pair, interval)
+
+
+@kernel(inline=True, internal=True)
+def _in_world(contacts: ContactRows, c: int, k: int) -> float:
+    """Component of the force of a contact in the middle of the step [N]; its third direction is n x t."""
+    state = contacts.state[c]
+    i, j = (k + 1) % 3, (k + 2) % 3
+    across = state.normal[i] * state.tangent[j] - state.normal[j] * state.tangent[i]
+    f = state.middle_force
+    return f[0] * state.normal[k] + f[1] * state.tangent[k] + f[2] * across
+
+
+@kernel(internal=True)
+def _carry_on(meshes: SurfacePairs, contacts: ContactRows, work: Workspace) -> None:
+    """Forces at the end of the step of pairs whose contacts have changed, so that their sum is carried on.
+
+    One contact takes over what another one has borne. Carried on by itself, what one loses would be missing, or what
+    another gains would count half as much again: so each gets its share of the change of the sum.
+    """
+    if not contacts.control.uncut:
+        return
+    ahead = carried_on(contacts.control.nominal_step, work)
+    for c in range(contacts.counts.of_contours, contact_count(contacts)):
+        state = contacts.state[c]
+        one = meshes.pairs[state.pair]
+        if not one.changed or state.middle_force[0] == 0.0:
+            continue
+        before = gone_contacts(contacts.placed[surface_count(contacts, meshes) + state.pair], 0).middle
+        share, reaction = ahead * state.middle_force[0] / one.borne, contacts.rows[c].reaction
+        one.force -= state.normal_force
+        for r in range(3):
+            reaction[r] = state.middle_force[r]
+        for k in range(3):
+            i, j = (k + 1) % 3, (k + 2) % 3
+            change = share * (one.middle[k] - before[k])
+            reaction[0] += change * state.normal[k]
+            reaction[1] += change * state.tangent[k]
+            reaction[2] += change * (state.normal[i] * state.tangent[j] - state.normal[j] * state.tangent[i])
+        keep_in_cone(contacts, c, reaction, RIGID)
+        write_force(contacts, c, reaction, RIGID)
+        one.force += state.normal_force
 
 
 @implement(record_pairs, SurfacePairs)

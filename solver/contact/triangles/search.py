@@ -179,6 +179,7 @@ def _search_pair(
         _stop(contacts, pair, work)
         return
     lost = _follow_contacts(meshes, contacts, bodies, pair, unsplit, way, work)
+    lost -= _stay_on(meshes, contacts, pair, count)
     sort_found(meshes, count)
     settle_sides(meshes, contacts, pair, count, first)
     settle_by_material(meshes, contacts, pair, count)
@@ -258,6 +259,24 @@ def _follow_contacts(
             lost += 1
         c = meshes.next_member[c]
     return lost
+
+
+@kernel(internal=True)
+def _stay_on(meshes: SurfacePairs, contacts: ContactRows, pair: int, count: int) -> int:
+    """Contacts beside their features that the search still finds there are on them; how many of those that hold.
+
+    What a search counts as inside grows with the face. On the seam of two faces in one plane it finds one contact, and
+    a contact that had left one face would go without the other one taking over.
+    """
+    staying, border = 0, meshes.pairs[pair].border
+    for i in range(count):
+        found = meshes.found.contacts[i]
+        c = look_up(meshes, contacts, pair, found.kind, found.first, found.second)
+        if c >= 0 and found.hit >= 0 and contacts.state[c].beside > border:
+            contacts.state[c].beside = border
+            if holds(contacts, c):
+                staying += 1
+    return staying
 
 
 @kernel(internal=True)

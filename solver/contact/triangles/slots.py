@@ -198,7 +198,8 @@ def _drop_contacts(meshes: SurfacePairs, contacts: ContactRows) -> None:
         state = contacts.state[c]
         state.hit = 0
         reach = FAR * meshes.pairs[state.pair].reach
-        if state.closed or state.end_gap <= reach:
+        # what has borne in this step is recorded with it
+        if state.closed or state.end_gap <= reach or state.normal_force > 0.0:
             c += 1
             continue
         gone = gone_contacts(contacts.placed[surface_count(contacts, meshes) + state.pair], 0)

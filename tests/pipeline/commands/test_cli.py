@@ -29,6 +29,14 @@ def heavylift(capsys):
     return run
 
 
+@pytest.mark.parametrize("count", ["0", "-1", "abc", "1.5"])
+def test_a_wrong_number_of_processes_ends_a_command_that_needs_none(heavylift, monkeypatch, count):
+    monkeypatch.setenv("HEAVYLIFT_PROCESSES", count)
+    code, out, error = heavylift("new")
+    assert (code, out) == (2, "")
+    assert f"environment: HEAVYLIFT_PROCESSES: '{count}'; expected 1 or more processes" in error
+
+
 def test_simulate_json_is_the_documented_report(heavylift, small_case):
     code, out, error = heavylift("simulate", small_case, "--json")
     document = json.loads(out)

@@ -13,6 +13,7 @@ from scipy.sparse import csr_array, identity
 from heavylift.modal.invariants import shape_integrals
 from heavylift.modal.reduced import ReducedBody
 from heavylift.pipeline.case.case_file import load_case
+from heavylift.pipeline.log import Log
 from heavylift.pipeline.pictures import render as picture_render
 from heavylift.pipeline.report import report
 from heavylift.pipeline.report.bodies import body_sections
@@ -577,3 +578,20 @@ def test_a_scene_of_rigid_bodies_only(tmp_path):
         "history_monitor_violation",
         "deviation_tip",
     ]
+
+
+def test_what_other_processes_say_is_said_once(tmp_path, monkeypatch, capsys):
+    """Two parts with a picture of one name are drawn again, one after the other."""
+    monkeypatch.setenv("HEAVYLIFT_PROCESSES", "2")
+    monkeypatch.setattr(report, "has_drawn", lambda: False)
+
+    def draw(album, log):
+        album.add("view", b"")
+        log.say("drawn")
+        return []
+
+    made, spoken = report._side_by_side(
+        [draw, draw], lambda _: None, lambda _: None, Album(tmp_path), Log(), alone=False, judge_first=False
+    )
+    assert (made, spoken) == (None, True)
+    assert capsys.readouterr().out.count("drawn") == 2

@@ -55,6 +55,15 @@ def test_the_next_run_finds_it_also_where_the_folder_is_now(folder: OutputFolder
     assert CALLS == [1, 1]
 
 
+def test_a_folder_from_another_machine_gives_results_of_this_one(
+    folder: OutputFolder, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    get(DerivedFiles(folder), 1)
+    monkeypatch.setattr(derived_files, "processor_type", lambda: "another processor")
+    get(DerivedFiles(folder), 1)
+    assert CALLS == [1, 1]
+
+
 def test_forced_all_is_computed_again_once(folder: OutputFolder):
     get(DerivedFiles(folder), 1)
     store = DerivedFiles(folder, anew=True)
