@@ -57,7 +57,7 @@ SWEEP_WORK = 3e7
 FROM_SWEEPS = 5
 """Attempt that is made of sweeps over the contacts, and after which attempts begin with what those have left."""
 
-MOST_FACTORS, MOST_ROWS = 4e8, 1e6
+MOST_FACTORS, MOST_ROWS = 2e8, 1e6
 """Iterations times the multiplications of a factor, and times the contacts, after which no more attempts are made:
 tenths of a second.
 
@@ -65,7 +65,7 @@ What has a solution is found in some hundred iterations; what has none, as a wal
 given up after them. Its best impulses are kept, with their residual.
 """
 
-OF_A_CONTACT = 4000.0
+OF_A_CONTACT = 1000.0
 """Multiplications of a factor that take as long as all else that an iteration does for a contact."""
 
 
