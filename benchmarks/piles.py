@@ -1,12 +1,14 @@
 """Piles of boxes in rigid contact: what a step costs and how far off it is, beside MuJoCo where that is installed.
 
-    python benchmarks/piles.py [scene ...]
+    python benchmarks/piles.py [--awake] [scene ...]
 
-CPU time of a step: mean, median of the last fifth, largest mean of 20 ms. MuJoCo has the same boxes, friction and
-steps, with `implicitfast`, elliptic cones and its own softness of contacts. What is at rest must stay where it is:
-*moved* is the largest distance from the start at the end, *creeps* that since a fifth of the time. Dominoes: when the
-tenth has sunk to 0.9 of its height. What falls: the centre of all boxes at the end. *gain*: the largest growth of the
-energy balance over the energy turned over.
+CPU time of a step: mean, median of the last fifth, largest mean of 20 ms. With `--awake` islands at rest do not sleep.
+MuJoCo has the same boxes, friction and steps, with `implicitfast`, elliptic cones and its own softness of contacts.
+What is at rest must stay where it is: *moved* is the largest distance from the start at the end, *strayed* that at any
+time, *creeps* that from where it was after half of the time. MuJoCo's stack of thirty is pressed together at first and
+thrown up again, by 0.17 or 1.03 m for accelerations of gravity of 9.80665 or 9.81 m/s2, so it rests later. Dominoes:
+when the tenth has sunk to 0.9 of its height. What falls: the centre of all boxes at the end. *gain*: the largest growth
+of the energy balance over the energy turned over.
 """
 
 from __future__ import annotations
@@ -14,6 +16,7 @@ from __future__ import annotations
 import sys
 import time
 from dataclasses import dataclass
+from functools import partial
 from itertools import combinations
 from typing import TYPE_CHECKING, Any
 
@@ -191,11 +194,15 @@ def _moments(box: Box) -> list[float]:
     return [box.mass * (y + z) / 12.0, box.mass * (x + z) / 12.0, box.mass * (x + y) / 12.0]
 
 
-def run_heavylift(pile: Pile) -> Found:
-    """With the default integrator."""
+def run_heavylift(pile: Pile, *, awake: bool = False) -> Found:
+    """With the default integrator; islands may be kept awake."""
     every = round(INTERVAL / pile.step)
     simulation = Simulation(_scene(pile), pile.step, record_every=every)
     simulation.warm_up()
+    if awake:
+        for system in simulation._layout.systems:  # noqa: SLF001
+            if hasattr(system, "sleepers"):
+                system.sleepers["allowed"] = False
     column = {channel.name: channel.column for channel in simulation.channels}
     places = [column[f"box{i}.position"] for i in range(len(pile.boxes))]
     rows, times, cpu = [simulation.record()], [0.0], []
@@ -267,15 +274,17 @@ def _error(name: str, pile: Pile, found: Found) -> str:
         rest = np.abs(x[-1] - x[-5]).max()
         return f"tenth tips at {tips:.5f} s, ends at {x[-1, -1, 0]:.5f} m, then moves {rest:.0e} m"
     if pile.at_rest:
-        moved, creeps = np.abs(x[-1] - x[0]).max(), np.abs(x[-1] - x[len(x) // 5]).max()
-        return f"moved {moved:.1e} m, creeps {creeps:.1e} m"
+        moved, strayed = np.abs(x[-1] - x[0]).max(), np.abs(x - x[0]).max()
+        creeps = np.abs(x[-1] - x[len(x) // 2]).max()
+        return f"moved {moved:.1e} m, strayed {strayed:.1e} m, creeps {creeps:.1e} m"
     centre = ", ".join(f"{value:.3f}" for value in x[-1].mean(axis=0))
     return f"centre ({centre}) m, lowest {x[:, :, 2].min():.4f} m"
 
 
 def main(wanted: Sequence[str]) -> None:
     """Print the table; names of scenes by their beginnings."""
-    programs: dict[str, Callable[[Pile], Found]] = {"heavylift": run_heavylift}
+    awake, wanted = "--awake" in wanted, [word for word in wanted if word != "--awake"]
+    programs: dict[str, Callable[[Pile], Found]] = {"heavylift": partial(run_heavylift, awake=awake)}
     try:
         import mujoco  # noqa: F401
 

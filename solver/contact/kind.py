@@ -430,7 +430,7 @@ class Events(Record):
     splits
         Trials since the last whole step.
     effort
-        Contacts times iterations of their solver since the last whole step.
+        Of the solver since the last whole step, in iterations of a single contact.
     exhausted
         Whether the rest of the whole step continues without impacts of its own.
     rough, roughest

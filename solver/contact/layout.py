@@ -92,11 +92,15 @@ class RowParameters(Record):
 
 
 class Solution(Record):
-    """How a solution ended: see `solve_contacts`; its residual is relative to the rates."""
+    """How a solution ended: see `solve_contacts`; its residual is relative to the rates.
+
+    The effort is its work, in iterations of a single contact.
+    """
 
     status: int
     iterations: int
     residual: float
+    effort: float
 
 
 class ProblemSize(Record):

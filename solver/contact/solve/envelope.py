@@ -2,7 +2,8 @@
 
 The bodies of a stack touch their neighbours only. Numbered along the contacts (E. Cuthill and J. McKee, Proc. 24th
 ACM National Conf. (1969)) the matrix of all of them has its entries near the diagonal, and factors without exchange of
-rows stay there: the cost grows with the number of bodies, not with its cube.
+rows stay there: the cost grows with the number of bodies, not with its cube. With exchange, which friction may need, a
+row reaches as far as the last of those that may take its place (as in LAPACK's ``gbtrf``).
 
 Not the block factor of joints (`heavylift.numerics.block_factor`): friction makes the matrix unsymmetric, and contacts
 come and go, so the order of five bodies is found in each step, here in 0.2 us, with its tables in 340.
@@ -16,7 +17,14 @@ from numpy.typing import NDArray
 from heavylift.numerics.jit import kernel
 from heavylift.solver.contact.solve.end_blocks import same_ends
 
-__all__ = ["factor_near_diagonal", "find_reach", "order_bodies", "solve_near_diagonal"]
+__all__ = [
+    "factor_near_diagonal",
+    "factor_with_exchange",
+    "find_reach",
+    "order_bodies",
+    "solve_near_diagonal",
+    "solve_with_exchange",
+]
 
 SMALLEST_PIVOT = 1e-2
 """Of a matrix that is the identity and what contacts add to it: without friction no pivot is below 1."""
@@ -178,5 +186,76 @@ def solve_near_diagonal(
     for i in range(high - 1, low - 1, -1):
         total = x[i]
         for j in range(i + 1, int(reach[i]) + 1):
+            total -= A[i * size + j] * x[j]
+        x[i] = total * A[i * size + i]
+
+
+@kernel(internal=True)
+def factor_with_exchange(
+    size: int,
+    low: int,
+    high: int,
+    A: NDArray[np.float64],
+    reach: NDArray[np.float64],
+    pivots: NDArray[np.float64],
+) -> bool:
+    """Factor in place with exchange of rows, reciprocals of pivots on the diagonal; False if singular or not finite.
+
+    Parameters
+    ----------
+    size, low, high, A, reach
+        As of `factor_near_diagonal`; what a row may reach by exchange is made zero here.
+    pivots
+        Out: row that each one is exchanged with.
+    """
+    for i in range(low, high):
+        last = int(reach[i])
+        for j in range(last + 1, int(reach[last]) + 1):
+            A[i * size + j] = 0.0
+    for k in range(low, high):
+        last = int(reach[k])
+        past = int(reach[last]) + 1
+        best, row = abs(A[k * size + k]), k
+        for i in range(k + 1, last + 1):
+            if abs(A[i * size + k]) > best:
+                best, row = abs(A[i * size + k]), i
+        if not (best > 0.0 and best < np.inf):
+            return False
+        pivots[k] = row
+        if row != k:
+            for j in range(k, past):
+                A[k * size + j], A[row * size + j] = A[row * size + j], A[k * size + j]
+        inverse = 1.0 / A[k * size + k]
+        A[k * size + k] = inverse
+        for i in range(k + 1, last + 1):
+            f = A[i * size + k]
+            if f != 0.0:
+                f *= inverse
+                A[i * size + k] = f
+                for j in range(k + 1, past):
+                    A[i * size + j] -= f * A[k * size + j]
+    return True
+
+
+@kernel(internal=True, reassociate=True)
+def solve_with_exchange(
+    size: int,
+    low: int,
+    high: int,
+    A: NDArray[np.float64],
+    reach: NDArray[np.float64],
+    pivots: NDArray[np.float64],
+    x: NDArray[np.float64],
+) -> None:
+    """Solve with these factors, in place."""
+    for k in range(low, high):
+        row = int(pivots[k])
+        x[k], x[row] = x[row], x[k]
+        value = x[k]
+        for i in range(k + 1, int(reach[k]) + 1):
+            x[i] -= A[i * size + k] * value
+    for i in range(high - 1, low - 1, -1):
+        total = x[i]
+        for j in range(i + 1, int(reach[int(reach[i])]) + 1):
             total -= A[i * size + j] * x[j]
         x[i] = total * A[i * size + i]

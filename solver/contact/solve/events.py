@@ -37,7 +37,7 @@ TRIALS, TRIALS_OF_EACH = 400, 10
 """Of times of impacts within a whole step: of all, and more for each contact."""
 
 MOST_EFFORT = 4e5
-"""Contacts times iterations of their solver, after which a whole step has no more trials: tenths of a second."""
+"""Iterations of a single contact, after which a whole step has no more trials: tenths of a second."""
 
 SEARCH_EFFORT = 5
 """Iterations that cost as much as the search of a trial."""

@@ -24,7 +24,12 @@ from heavylift.solver.contact.laws.rows import (
 )
 from heavylift.solver.contact.layout import UNILATERAL, Problem, Work
 from heavylift.solver.contact.solve.end_blocks import CONTACT, add_pair, load_pair, same_ends
-from heavylift.solver.contact.solve.envelope import factor_near_diagonal, solve_near_diagonal
+from heavylift.solver.contact.solve.envelope import (
+    factor_near_diagonal,
+    factor_with_exchange,
+    solve_near_diagonal,
+    solve_with_exchange,
+)
 from heavylift.solver.contact.solve.system import (
     COUPLING,
     SCRATCH,
@@ -172,18 +177,17 @@ def _solve_step(problem: Problem, work: Work, fresh: bool) -> bool:
             if factor_near_diagonal(size, low, high, work.A, work.reach):
                 marks.near_diagonal = True
             else:
-                for i in range(size * size):
-                    work.A[i] = 0.0
-                for i in range(size):  # of the other islands nothing is asked
-                    if not low <= i < high:
-                        work.A[i * size + i], work.x[i] = 1.0, 0.0
                 add_unit(size, low, high, work.K, work.reach, work.A)
+                if not factor_with_exchange(size, low, high, work.A, work.reach, work.pivots):
+                    return False
         else:
             add_unit_to_product(size, work.K, problem.B, work.A)
-        if not marks.near_diagonal and not factor(size, work.A, work.pivots):
-            return False
+            if not factor(size, work.A, work.pivots):
+                return False
     if marks.near_diagonal:
         solve_near_diagonal(size, low, high, work.A, work.reach, work.x)
+    elif marks.unit_mass:
+        solve_with_exchange(size, low, high, work.A, work.reach, work.pivots, work.x)
     else:
         solve_factored(size, work.A, work.pivots, work.x)
     _by_mass(problem, work, work.x)

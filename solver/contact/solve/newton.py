@@ -57,13 +57,29 @@ SWEEP_WORK = 3e7
 FROM_SWEEPS = 5
 """Attempt that is made of sweeps over the contacts, and after which attempts begin with what those have left."""
 
-MOST_WORK, MOST_ROWS, LEAST_ITERATIONS = 2e10, 1e6, 300
-"""Iterations times the cube of the velocities, and times the contacts, after which no more attempts are made: tenths of
-a second; iterations at least.
+MOST_FACTORS, MOST_ROWS = 2e8, 1e6
+"""Iterations times the multiplications of a factor, and times the contacts, after which no more attempts are made:
+tenths of a second.
 
 What has a solution is found in some hundred iterations; what has none, as a wall with targets that fit no motion, is
 given up after them. Its best impulses are kept, with their residual.
 """
+
+OF_A_CONTACT = 1000.0
+"""Multiplications of a factor that take as long as all else that an iteration does for a contact."""
+
+
+@kernel(internal=True)
+def _factor_work(problem: Problem) -> float:
+    """Multiplications in a factor of the island."""
+    low, high = problem.counts.low, problem.counts.high
+    if problem.ends.shape[0] == 0 or not problem.work.marks.unit_mass:
+        return float(high - low) ** 3 / 3.0
+    total = 0.0
+    for i in range(low, high):
+        reach = problem.work.reach[i] - i
+        total += reach * reach
+    return total
 
 
 @kernel(internal=True)
@@ -77,11 +93,15 @@ def _solve(problem: Problem) -> tuple[int, int, float]:
                 out[j] = problem.start[j]
             return FAILED, 0, np.inf
     status, solved, residual = BY_NEWTON, 0, 0.0
+    problem.solution.effort = 0.0
     while next_island(problem, work):
         found, iterations, left = _solve_island(problem)
         worse = found == FAILED or (status != FAILED and found > status)
         status = found if worse else status
         solved += iterations * (counts.last - counts.first)
+        if iterations > 0:
+            cost = float(counts.last - counts.first) + _factor_work(problem) / OF_A_CONTACT
+            problem.solution.effort += iterations * cost
         residual = max(residual, left)
     for c in range(counts.number):
         clip(problem.kinds, problem.parameters, c, problem.p)
@@ -107,11 +127,11 @@ def _solve_island(problem: Problem) -> tuple[int, int, float]:
     found, total, residual = iterate(problem, work, p, FIRST_LIMIT, ACCEPTED)
     if found:
         return status, total, residual
-    size, number = problem.counts.high - problem.counts.low, (last - first) // 3
-    bound = min(MOST_WORK / float(size) ** 3, MOST_ROWS / float(number))
-    most, least = max(LEAST_ITERATIONS, int(bound)), np.inf
+    number = (last - first) // 3
+    most = int(min(MOST_FACTORS / max(_factor_work(problem), 1.0), MOST_ROWS / float(number)))
+    least = np.inf
     for attempt in range(2):
-        if not found:
+        if not found and (attempt == 0 or total < most):
             status = BY_PROXIMAL_STEPS
             for i in range(first, last):
                 p[i] = 0.0 if attempt == 0 else work.begin[i]
@@ -239,6 +259,7 @@ def solve_by_newton(solver: NonsmoothNewton, problem: Problem) -> None:
     """A single contact often has a simple solution."""
     solution, count, start, B = problem.solution, problem.counts.number, problem.start, problem.B
     solution.status, solution.iterations, solution.residual = BY_NEWTON, 0, 0.0
+    solution.effort = 0.0
     if count == 0:
         for i in range(problem.counts.size):
             problem.y[i] = start[i]

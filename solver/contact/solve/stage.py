@@ -290,7 +290,7 @@ def solve_present(contacts: ContactRows, count: int, work: Workspace) -> bool:
     solution = contacts.solution
     contacts.control.residual = max(contacts.control.residual, solution.residual)
     contacts.control.rounds += solution.iterations
-    contacts.control.effort += float(count * solution.iterations)
+    contacts.control.effort += solution.effort
     if solution.status < 0:
         if not solution.residual < ENOUGH:
             mark_failure(contacts, present_at(contacts, 0), NO_IMPULSES, work)

@@ -7,6 +7,7 @@ import itertools
 import contact_problems as problems
 import numpy as np
 import pytest
+from scipy.linalg import block_diag
 from scipy.optimize import brentq, nnls
 
 from heavylift.solver.contact.laws.normal_force import mean_normal_force
@@ -368,6 +369,33 @@ def test_of_the_inverse_mass_only_its_blocks_are_read(fixed):
     np.testing.assert_allclose(
         told.p.reshape(-1, 3), expected, rtol=1e-9, atol=1e-12 * np.abs(expected).max()
     )
+
+
+def test_what_does_not_act_on_each_other_is_solved_apart():
+    """Two stacks in one problem have the impulses of each of them alone; one that is found soon iterates no more."""
+    apart = [
+        problems.stack(4, np.random.default_rng(5), 0.3),
+        problems.stack(1, np.random.default_rng(6), 0.0),
+    ]
+    first, second = apart
+    shift = np.array([len(first.y0), 0, len(first.y0), 0]) * (second.ends[:, [1, 1, 3, 3]] > 0)
+    both = problems.ContactProblem(
+        np.concatenate([one.kinds for one in apart]).view(type(first.kinds)),
+        np.concatenate([one.parameters for one in apart]).view(type(first.parameters)),
+        np.vstack([first.ends, second.ends + shift]),
+        np.vstack([one.blocks for one in apart]),
+        np.concatenate([one.y0 for one in apart]),
+        block_diag(*(one.B for one in apart)),
+        block_diag(*(one.N for one in apart)),
+    )
+    packed = both.packed()
+    solve_contacts((NonsmoothNewton(),), packed)
+    alone = [one.solve() for one in apart]
+    expected = np.vstack([one[3] for one in alone])
+    np.testing.assert_allclose(packed.p.reshape(-1, 3), expected, atol=1e-8 * np.abs(expected).max())
+    iterations = [one[1] for one in alone]
+    assert 0 < iterations[1] < iterations[0]
+    assert packed.solution.effort < iterations[0] * both.count
 
 
 def test_rates_of_rounding_ask_for_no_impulses_of_a_size():
