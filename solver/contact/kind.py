@@ -237,6 +237,8 @@ class ContactState(Record):
         Gap at the start of the step they were found in [m]; rate of the gap when this step began [m/s].
     step_impulse
         Normal impulse of the last step [N s].
+    joined
+        Whether it has begun to rest in this step because one beside it has gone.
     has_left
         Whether it had slid off its features at the end of the last step.
     slots
@@ -304,6 +306,7 @@ class ContactState(Record):
     share: float
     step_impulse: float
     has_left: bool
+    joined: bool
     start_beside: float
     start_rate: float
     slots: Annotated[NDArray[np.int64], (2,)]

@@ -366,6 +366,8 @@ def _close_one(contacts: ContactRows, c: int, step: float, ahead: float, work: W
         # of more contacts than needed some bear nothing, and rest all the same
         if contacts.table[c].shape_kind == TRIANGLES:
             stays = stays or (state.closed and state.end_gap <= gap_tolerance(contacts, c, a))
+            stays = stays or state.joined
+            state.joined = False
         stays = stays or (state.new and a <= REST * abs(state.rate))
         state.closed = stays
         if total > 0.0:
