@@ -39,6 +39,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from cases_process import PARTS, REPORT
+from installed import environment
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -136,7 +137,7 @@ def simulate(file: Path, out: Path, *words: str, mode: str) -> tuple[float, subp
     path = file.parent if file.name == "case.toml" else file
     command = [sys.executable, "-P", str(PROCESS), mode, "simulate", str(path), "--out", str(out), *words]
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    done = subprocess.run(command, env=environment(), capture_output=True, text=True, check=False)
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
     return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime, done
 

@@ -3,10 +3,11 @@
     python benchmarks/paired.py OLD_PYTHON NEW_PYTHON [benchmark ...] [--rounds 3]
 
 A benchmark is a script of this folder, with options in the same word: ``"work_precision.py A01 --no-steps"``. Both
-interpreters run it in turn, once to compile what is missing and then in rounds. Numbers of a row that vary from run
-to run are times: printed is the median over the rounds of new over old, with the range over the rounds, and a mark
-where all of it is beyond `TOLD`. Numbers that are the same in all rounds of each are results: they are printed where
-old and new differ. Rows are those with the same words before their first number, in order.
+interpreters run it in turn, each that of its own sources if there are any, once to compile what is missing and then in
+rounds. Numbers of a row that vary from run to run are times: printed is the median over the rounds of new over old,
+with the range over the rounds, and a mark where all of it is beyond `TOLD`. Numbers that are the same in all rounds of
+each are results: they are printed where old and new differ. Rows are those with the same words before their first
+number, in order.
 """
 
 from __future__ import annotations
@@ -79,6 +80,14 @@ def label(words: str, rows: list[list[float]]) -> str:
     return re.sub("#", lambda _: next(texts, "#"), words)
 
 
+def folder_of(python: str) -> Path:
+    """Folder with the benchmarks of an installation: its own if it is one of sources, whose internals they call."""
+    words = [python, "-P", "-c", "import heavylift; print(heavylift.__path__[0])"]
+    made = subprocess.run(words, capture_output=True, text=True, check=True)
+    own = Path(made.stdout.strip()).parent / FOLDER.name
+    return own if own.is_dir() else FOLDER
+
+
 def run(python: str, benchmark: str) -> dict[str, tuple[str, list[float]]]:
     """Rows of a benchmark by one interpreter.
 
@@ -89,7 +98,7 @@ def run(python: str, benchmark: str) -> dict[str, tuple[str, list[float]]]:
     """
     script, *options = shlex.split(benchmark)
     made = subprocess.run(
-        [python, str(FOLDER / script), *options], capture_output=True, text=True, check=False
+        [python, str(folder_of(python) / script), *options], capture_output=True, text=True, check=False
     )
     if made.returncode:
         raise SystemExit(f"{python} {benchmark}: {made.stderr.strip()[-2000:]}")

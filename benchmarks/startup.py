@@ -31,6 +31,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from installed import environment
+
 if TYPE_CHECKING:
     from heavylift.numerics.objects import Unit
 
@@ -171,10 +173,6 @@ class Cost:
     printed: str
 
 
-BYTECODE = tempfile.TemporaryDirectory(prefix="heavylift-bytecode-")
-"""Where all processes find the bytecode of modules."""
-
-
 def run(command: list[str], cache: Path, package: Path | None = None) -> Cost:
     """Run a process to its end with a folder of compiled kernels, and perhaps with other sources.
 
@@ -183,13 +181,12 @@ def run(command: list[str], cache: Path, package: Path | None = None) -> Cost:
     RuntimeError
         If it fails, with what it said.
     """
-    environment = os.environ | {"HEAVYLIFT_CACHE_DIR": str(cache), "PYTHONPYCACHEPREFIX": str(BYTECODE.name)}
-    environment.pop("PYTHONDONTWRITEBYTECODE", None)
-    if package is not None:
-        environment["PYTHONPATH"] = str(package)
+    variables = {"HEAVYLIFT_CACHE_DIR": str(cache)} | (
+        {} if package is None else {"PYTHONPATH": str(package)}
+    )
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     begin = time.perf_counter()
-    done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
+    done = subprocess.run(command, env=environment(**variables), capture_output=True, text=True, check=False)
     wall = time.perf_counter() - begin
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
     if done.returncode:
@@ -343,7 +340,7 @@ def main() -> None:
     if options.missing:
         print(json.dumps([unit.name for unit in missing()]))
         return
-    from heavylift.numerics.jit import cache_root
+    from heavylift.numerics.sources import cache_root
 
     parts = options.part or PARTS
     with tempfile.TemporaryDirectory() as name:

@@ -25,38 +25,38 @@ from pathlib import Path
 from typing import Annotated, Any, Self, dataclass_transform
 
 import numpy as np
-from llvmlite import ir
-from numba.core import cgutils, types
-from numba.core.datamodel import models
-from numba.core.imputils import impl_ret_borrowed, lower_cast, lower_getattr_generic
-from numba.core.typeconv import Conversion
-from numba.core.typing.templates import AttributeTemplate, infer_getattr
-from numba.extending import NativeValue, register_model, typeof_impl, unbox
-from numba.np import numpy_support
-from numba.np.arrayobj import populate_array
 from numpy.typing import NDArray
 
 from heavylift.numerics.classes import dataclass
 from heavylift.numerics.hints import array_scalar
+from heavylift.numerics.jit import when_compiling
 
 __all__ = [
+    "FLOAT",
+    "INTEGER",
+    "NOTHING",
+    "TRUTH",
+    "ArrayType",
     "Arrays",
     "Floats1",
     "Floats2",
     "Floats3",
     "Ints1",
     "Ints2",
+    "KernelType",
+    "NumberType",
     "Pointer",
     "Reference",
     "Words",
     "array_type",
     "declared_types",
     "described",
-    "numba_type",
+    "kernel_type",
     "number_as_word",
-    "rebuild_array",
     "word_count",
 ]
+
+when_compiling("heavylift.numerics.arrays_code")
 
 Floats1 = Annotated[NDArray[np.float64], 1]
 Floats2 = Annotated[NDArray[np.float64], 2]
@@ -64,7 +64,54 @@ Floats3 = Annotated[NDArray[np.float64], 3]
 Ints1 = Annotated[NDArray[np.int64], 1]
 Ints2 = Annotated[NDArray[np.int64], 2]
 
-WORD = ir.IntType(64)
+
+class KernelType:
+    """What kernels see of a value. `heavylift.numerics.arrays_code.compiled_type` makes the compiler's type of it.
+
+    Attributes
+    ----------
+    name
+        For messages.
+    """
+
+    def __init__(self, name: str, *parts: object) -> None:
+        self.name = name
+        self._parts = type(self), *(parts or (name,))
+
+    def __eq__(self, other: object) -> bool:
+        """The same class, made of the same parts."""
+        return isinstance(other, KernelType) and self._parts == other._parts
+
+    def __hash__(self) -> int:
+        """Of its class and parts."""
+        return hash(self._parts)
+
+    def __str__(self) -> str:
+        """Its name."""
+        return self.name
+
+    __repr__ = __str__
+
+
+class NumberType(KernelType):
+    """A number or truth value of a NumPy type."""
+
+    def __init__(self, dtype: Any) -> None:
+        self.dtype = np.dtype(dtype)
+        super().__init__(self.dtype.name)
+
+
+class ArrayType(KernelType):
+    """A contiguous array of numbers."""
+
+    def __init__(self, dtype: Any, ndim: int) -> None:
+        self.dtype, self.ndim = np.dtype(dtype), ndim
+        super().__init__(f"array({self.dtype.name}, {ndim}d, C)")
+
+
+FLOAT, INTEGER, TRUTH = NumberType(np.float64), NumberType(np.int64), NumberType(np.bool_)
+NOTHING = KernelType("none")
+"""What a kernel without a result returns."""
 
 
 @dataclass_transform(frozen_default=True, eq_default=False)
@@ -128,11 +175,11 @@ class Arrays:
         words: list[int] = []
         for name, (of_type, _) in layout(type(self)).items():
             value = getattr(self, name)
-            if isinstance(of_type, types.Array):
+            if isinstance(of_type, ArrayType):
                 fits = (
                     isinstance(value, np.ndarray) and value.ndim == of_type.ndim and value.flags.c_contiguous
                 )
-                if not fits or numpy_support.from_dtype(value.dtype) != of_type.dtype:
+                if not fits or value.dtype != of_type.dtype:
                     found = (
                         f"{value.dtype} {value.ndim}-d"
                         if isinstance(value, np.ndarray)
@@ -153,8 +200,8 @@ class Arrays:
         return words
 
 
-class Words(types.Type):
-    """Numba type of what is handed over as several words, and rebuilt from them.
+class Words(KernelType):
+    """What is handed over as several words, and rebuilt from them.
 
     Attributes
     ----------
@@ -162,20 +209,14 @@ class Words(types.Type):
         How many.
     words
         From a value and the words that name its place to its words; a TypeError if kernels would misread it.
-    rebuild
-        From context, builder and words to the value in compiled code.
-    to_words
-        From context, builder and a value in compiled code to its words.
     """
 
     word_count: typing.ClassVar[int]
     words: Callable[..., list[int]]
-    rebuild: Callable[..., Any]
-    to_words: Callable[..., list[Any]]
 
 
-class Pointer(types.Type):
-    """Numba type of what is handed over by its address: it has an attribute `address`."""
+class Pointer(KernelType):
+    """What is handed over by its address: it has an attribute `address`."""
 
     def accept(self, value: Any, where: str) -> Any:
         """What has the address: the value itself, or something that holds it.
@@ -189,29 +230,17 @@ class Pointer(types.Type):
 
 
 class Reference(Pointer):
-    """Numba type of a group of arrays."""
+    """A group of arrays."""
 
     def __init__(self, group: type[Arrays]) -> None:
         self.group = group
-        super().__init__(name=f"{group.__module__}.{group.__qualname__}")
+        super().__init__(f"{group.__module__}.{group.__qualname__}", group)
 
     def accept(self, value: Any, where: str) -> Any:
         """Only the class itself and its subclasses."""
-        if not isinstance(value, self.group) or not _begins_as(type(value), self.group):
+        if not isinstance(value, self.group) or not begins_as(type(value), self.group):
             raise TypeError(f"{where}: {type(value).__name__}, expected {self.group.__name__}")
         return value
-
-    def can_convert_to(self, typingctx: Any, other: Any) -> Any:
-        """A subclass begins with the fields of its base."""
-        del typingctx
-        if isinstance(other, Reference) and _begins_as(self.group, other.group):
-            return Conversion.exact if self.group is other.group else Conversion.safe
-        return None
-
-    def unify(self, typingctx: Any, other: Any) -> Any:
-        """Never."""
-        del typingctx
-        return self if self == other else None
 
 
 def _compare(group: Any, base: Any) -> bool:
@@ -227,50 +256,46 @@ def _compare(group: Any, base: Any) -> bool:
     )
 
 
-_begins_as: Callable[[Any, Any], bool] = cache(_compare)
+begins_as: Callable[[Any, Any], bool] = cache(_compare)
 """As `_compare`."""
 
 
 def number_as_word(of_type: Any, value: Any) -> int:
     """A number or truth value as the word that kernels read."""
-    if of_type == types.float64:
+    if of_type == FLOAT:
         return int(struct.unpack("q", struct.pack("d", value))[0])
-    return int(bool(value)) if of_type == types.boolean else operator.index(value)
+    return int(bool(value)) if of_type == TRUTH else operator.index(value)
 
 
-def array_type(annotation: Any) -> types.Array | None:
-    """Numba type of an array annotation of this module; None if it is none."""
+def array_type(annotation: Any) -> ArrayType | None:
+    """Type of an array annotation of this module; None if it is none."""
     if typing.get_origin(annotation) is not Annotated:
         return None
     array, dimensions = typing.get_args(annotation)[:2]
-    return types.Array(numpy_support.from_dtype(np.dtype(array_scalar(array))), dimensions, "C")
+    return ArrayType(array_scalar(array), dimensions)
 
 
-def numba_type(annotation: Any) -> Any:
-    """Numba type of the annotation of a field or parameter.
+_SIMPLE = {float: FLOAT, int: INTEGER, bool: TRUTH, None: NOTHING, type(None): NOTHING}
+
+
+def kernel_type(annotation: Any) -> Any:
+    """Type of the annotation of a field or parameter, as a `KernelType`.
 
     Raises
     ------
     TypeError
         If kernels know no such type.
     """
-    simple = {
-        float: types.float64,
-        int: types.int64,
-        bool: types.boolean,
-        None: types.none,
-        type(None): types.none,
-    }
-    if annotation in simple:
-        return simple[annotation]
+    if annotation in _SIMPLE:
+        return _SIMPLE[annotation]
     found: Any = array_type(annotation)
     if found is None and isinstance(annotation, type):
         if issubclass(annotation, Arrays):
             found = Reference(annotation)
-        elif hasattr(annotation, "numba_type"):
-            found = annotation.numba_type()
-    elif found is None and hasattr(annotation, "numba_type"):
-        found = annotation.numba_type()
+        elif hasattr(annotation, "kernel_type"):
+            found = annotation.kernel_type()
+    elif found is None and hasattr(annotation, "kernel_type"):
+        found = annotation.kernel_type()
     if found is None:
         raise TypeError(f"{annotation!r}: expected a number, an array of known dimension, Arrays or a Table")
     return found
@@ -328,7 +353,7 @@ def _layout(group: Any) -> dict[str, tuple[Any, int]]:
     place = 0
     for name in group._fields:
         try:
-            of_type = numba_type(hints[name])
+            of_type = kernel_type(hints[name])
         except TypeError as error:
             raise TypeError(f"{group.__name__}.{name}: {error}") from None
         made[name] = of_type, place
@@ -338,8 +363,8 @@ def _layout(group: Any) -> dict[str, tuple[Any, int]]:
 
 def word_count(of_type: Any) -> int:
     """Words that a value is handed over as."""
-    if isinstance(of_type, types.Array):
-        return 1 + int(of_type.ndim)
+    if isinstance(of_type, ArrayType):
+        return 1 + of_type.ndim
     return of_type.word_count if isinstance(of_type, Words) else 1
 
 
@@ -360,89 +385,3 @@ def described(of_type: Any) -> str:
         if isinstance(value, (bool, int, float, tuple)) and not name.startswith("_")
     ]
     return f"{of_type}({', '.join(parts + constants)})"
-
-
-@register_model(Pointer)
-@register_model(Reference)
-class _PointerModel(models.PrimitiveModel):
-    def __init__(self, manager: Any, of_type: Any) -> None:
-        super().__init__(manager, of_type, WORD.as_pointer())
-
-
-@typeof_impl.register(Arrays)
-def _type_of_group(value: Arrays, context: Any) -> Reference:
-    del context
-    return Reference(type(value))
-
-
-@unbox(Reference)
-def unbox_address(of_type: Any, value: Any, c: Any) -> NativeValue:
-    """Pointer of a Python object with an `address`."""
-    del of_type
-    address = c.pyapi.object_getattr_string(value, "address")
-    number = cgutils.alloca_once_value(c.builder, ir.Constant(WORD, 0))
-    with c.builder.if_then(cgutils.is_not_null(c.builder, address)):
-        c.builder.store(c.pyapi.long_as_longlong(address), number)
-        c.pyapi.decref(address)
-    pointer = c.builder.inttoptr(c.builder.load(number), WORD.as_pointer())
-    return NativeValue(pointer, is_error=cgutils.is_not_null(c.builder, c.pyapi.err_occurred()))
-
-
-@lower_cast(Reference, Reference)
-def _cast(context: Any, builder: Any, from_type: Any, to_type: Any, value: Any) -> Any:
-    del context, builder, from_type, to_type
-    return value
-
-
-@infer_getattr
-class _Fields(AttributeTemplate):
-    key = Reference
-
-    def generic_resolve(self, reference: Any, name: str) -> Any:
-        """Type of a field or class variable."""
-        known = layout(reference.group)
-        if name in known:
-            return known[name][0]
-        constant = getattr(reference.group, name, None)
-        return None if constant is None else self.context.resolve_value_type(constant)
-
-
-def constant_word(builder: Any, pointer: Any, place: int) -> Any:
-    """A word of a block that never changes."""
-    at = builder.gep(pointer, [ir.Constant(WORD, place)], source_etype=WORD)
-    word = builder.load(at, typ=WORD)
-    word.set_metadata("invariant.load", builder.module.add_metadata([]))
-    return word
-
-
-def rebuild_array(context: Any, builder: Any, of_type: Any, words: list[Any]) -> Any:
-    """Array structure from an address and lengths."""
-    array = context.make_array(of_type)(context, builder)
-    itemsize = ir.Constant(WORD, context.get_abi_sizeof(context.get_data_type(of_type.dtype)))
-    data = builder.inttoptr(words[0], context.get_data_type(of_type.dtype).as_pointer())
-    strides = [itemsize]
-    for length in reversed(words[2:]):
-        strides.insert(0, builder.mul(strides[0], length))
-    populate_array(array, data=data, shape=words[1:], strides=strides, itemsize=itemsize, meminfo=None)
-    return array._getvalue()  # noqa: SLF001
-
-
-@lower_getattr_generic(Reference)
-def _field(context: Any, builder: Any, reference: Any, value: Any, name: str) -> Any:
-    known = layout(reference.group)
-    if name not in known:
-        constant = getattr(reference.group, name)
-        of_type = context.typing_context.resolve_value_type(constant)
-        return context.get_constant_generic(builder, of_type, constant)
-    of_type, place = known[name]
-    if isinstance(of_type, (types.Array, Words)):
-        words = [constant_word(builder, value, place + i) for i in range(word_count(of_type))]
-        if isinstance(of_type, Words):
-            return of_type.rebuild(context, builder, words)
-        return impl_ret_borrowed(context, builder, of_type, rebuild_array(context, builder, of_type, words))
-    word = constant_word(builder, value, place)
-    if isinstance(of_type, Pointer):
-        return builder.inttoptr(word, WORD.as_pointer())
-    if of_type == types.float64:
-        return builder.bitcast(word, ir.DoubleType())
-    return builder.trunc(word, ir.IntType(1)) if of_type == types.boolean else word

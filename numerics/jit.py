@@ -3,248 +3,135 @@
 What only kernels call is kept as code that is not compiled yet, and compiled once with those that call it. What Python
 calls is cached on disk, in a folder whose name holds a digest of all sources that the kernel depends on, see
 `heavylift.numerics.sources`. Kernels of kinds and loops do not come through this cache: `heavylift.numerics.objects`.
+
+A kernel is the function that it is made of until something is compiled: only then is the compiler imported, with the
+modules that teach it what kernels work on (`when_compiling`). A scene whose object files are there runs without it.
 """
 
 from __future__ import annotations
 
 import contextlib
+import importlib
 import os
-import shutil
+import sys
 import time
 from collections.abc import Callable, Iterator
-from functools import cache, update_wrapper
-from pathlib import Path
-from typing import Any, TypeVar, overload
-
-import numba
-from numba.core import event
-from numba.core.codegen import JITCodeLibrary
-from numba.core.compiler import CompilerBase, DefaultPassBuilder
-from numba.core.compiler_machinery import register_pass
-from numba.core.ir import Arg, Expr
-from numba.core.lowering import Lower
-from numba.core.typed_passes import NativeLowering
-
-from heavylift.numerics.sources import (
-    cache_root,
-    closure_digest,
-    distrusted,
-    edited_since_start,
-    made_folder,
-    say,
-)
+from functools import cached_property, update_wrapper
+from typing import Any, NoReturn, TypeVar, overload
 
 __all__ = [
+    "ROUNDING_FLAGS",
     "CompileClock",
-    "PartLibrary",
-    "cache_folder",
+    "Intrinsic",
+    "Kernel",
     "compile_clock",
     "in_python",
+    "intrinsic",
     "kernel",
-    "module_of",
+    "runs_in_python",
     "view",
+    "when_compiling",
+    "with_compiler",
 ]
 
 F = TypeVar("F", bound=Callable[..., Any])
 
-KEPT_CACHES = 3
-"""Cache folders of older sources of a module that are kept beside the current one."""
-
-CACHE_PREFIX = "kernels-"
-"""Of the folders below the cache root that are ours; nothing else there is ever removed."""
-
-COMPILER_EVENT = "numba:compiler_lock"
-"""Event of Numba around all of a compilation, and around loading from its cache."""
-
-# Numba would read a file of settings, among them a cache folder, from the current folder whenever it compiles; that may
-# be the folder of a case from someone else. The variables NUMBA_* stay.
-numba.config._config_fname = os.devnull  # noqa: SLF001
-
 ROUNDING_FLAGS = frozenset({"contract", "nsz", "arcp"})
 """Allowed to change the last bits; never ``nnan``/``ninf``, which would remove every ``isnan``."""
 
+_TAUGHT: list[str] = []
+"""Modules that belong to the compiler, in the order in which they are imported."""
 
-@cache
-def cache_folder(module: str) -> Path:
-    """Folder of the compiled kernels of a module; removes outdated ones."""
-    root, prefix = cache_root(), f"{CACHE_PREFIX}{module.removeprefix('heavylift.')}-"
-    current = root / (prefix + closure_digest((module,)))
-    if not current.is_dir():
-        with contextlib.suppress(OSError):  # a read-only home must not stop a run
-            made_folder(current).chmod(0o700)  # Numba makes folders in it by the umask
-            older = sorted(
-                (path for path in root.glob(f"{prefix}*") if path.is_dir() and path != current),
-                key=lambda path: path.stat().st_mtime,
-            )
-            for path in older[:-KEPT_CACHES]:
-                shutil.rmtree(path, ignore_errors=True)
-    return current
+_COMPILER: list[bool] = []
+"""Has an entry once they are imported."""
 
 
-@contextlib.contextmanager
-def _numba_cache_directory(directory: Path) -> Iterator[None]:
-    """Point Numba to a cache folder while a function is decorated, and back afterwards."""
-    before = numba.config.CACHE_DIR
-    numba.config.CACHE_DIR = str(directory)
-    try:
-        yield
-    finally:
-        numba.config.CACHE_DIR = before
+def when_compiling(module: str) -> None:
+    """Name a module that the compiler needs for what stands in the calling module.
+
+    It is imported when something is compiled, and belongs to the sources that compiled code depends on, as an import
+    does: `heavylift.numerics.sources` reads this call, so it stands at the beginning of a line with the name as text.
+    """
+    _TAUGHT.append(module)
+    if _COMPILER:
+        importlib.import_module(module)
 
 
-class PartLibrary(JITCodeLibrary):
-    """Code of one kernel that only kernels call: it is linked and optimised once, with what calls it.
+when_compiling("heavylift.numerics.jit_code")
 
-    Numba would optimise every function, and all that it calls, once more in each of its callers.
+
+def with_compiler(module: str = "heavylift.numerics.jit_code") -> Any:
+    """A module that works with Numba; imports all of them at the first call."""
+    if not _COMPILER:
+        for name in _TAUGHT:  # those that are imported may name more
+            importlib.import_module(name)
+        _COMPILER.append(True)
+    return sys.modules[module]
+
+
+def runs_in_python() -> bool:
+    """Whether kernels are plain Python, by ``NUMBA_DISABLE_JIT``."""
+    numba = sys.modules.get("numba")
+    if numba is None and os.environ.get("NUMBA_DISABLE_JIT", "0") != "0":
+        numba = importlib.import_module("numba")
+    return numba is not None and bool(numba.config.DISABLE_JIT)
+
+
+class Kernel:
+    """What `kernel` and `view` make of a function: callable from Python and from kernels.
+
+    Attributes
+    ----------
+    py_func
+        The function.
+    compiled
+        Dispatcher of Numba; imports Numba and makes it at the first use. What it has is seen here too.
     """
 
-    def __init__(self, codegen: Any, name: str) -> None:
-        super().__init__(codegen, name)
-        self._linked: Any = None
+    def __init__(self, function: Callable[..., Any], **options: Any) -> None:
+        update_wrapper(self, function)
+        self.py_func = function
+        self._options = options
 
-    def add_llvm_module(self, ll_module: Any) -> None:
-        """Without passes: those of the whole follow."""
-        ll_module.data_layout = self._codegen._data_layout  # noqa: SLF001  as the class above does
-        self._final_module.link_in(ll_module)
+    @cached_property
+    def compiled(self) -> Any:
+        """As said above."""
+        return with_compiler().dispatcher(self.py_func, **self._options)
 
-    def finalize(self) -> None:
-        """Leave the code as it is."""
-        self._finalized = True
+    def __call__(self, *values: Any, **named: Any) -> Any:
+        """Compile it for what it is given, and run it."""
+        return self.compiled(*values, **named)
 
-    def parts(self, found: dict[Any, None] | None = None) -> dict[Any, None]:
-        """The library itself and all that it needs, in order."""
-        found = {} if found is None else found
-        if self not in found:
-            found[self] = None
-            for library in self._linking_libraries:
-                if isinstance(library, PartLibrary):
-                    library.parts(found)
-                else:
-                    found[library] = None
-        return found
+    def __getattr__(self, name: str) -> Any:
+        """What the dispatcher has."""
+        if name.startswith("_"):
+            raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
+        return getattr(self.compiled, name)
 
-    def own_module(self) -> Any:
-        """Code of this kernel alone, fit for being linked several times."""
-        return super()._get_module_for_linking()
-
-    def _get_module_for_linking(self) -> Any:
-        """Code of this kernel with all that it calls."""
-        if self._linked is None:
-            whole = self.own_module().clone()
-            for part in self.parts():
-                if part is not self:
-                    whole.link_in(module_of(part), preserve=True)
-            self._linked = whole
-        return self._linked
+    def __reduce__(self) -> str:
+        """A copy is the same object; another process imports it."""
+        return self.py_func.__qualname__
 
 
-def module_of(library: Any) -> Any:
-    """Code of a library that is fit for being linked several times, without what it needs if that is known."""
-    return library.own_module() if isinstance(library, PartLibrary) else library._get_module_for_linking()  # noqa: SLF001
+class Intrinsic:
+    """What `intrinsic` makes of a function."""
+
+    def __init__(self, function: Callable[..., Any]) -> None:
+        update_wrapper(self, function)
+        self.function = function
+
+    def __call__(self, *values: Any) -> NoReturn:
+        """Only kernels call it."""
+        raise NotImplementedError(f"{self.function.__name__} is for kernels only")
+
+    def __reduce__(self) -> str:
+        """A copy is the same object."""
+        return self.function.__qualname__
 
 
-class _PartLower(Lower):
-    """Writes the fields of groups of arrays that are arguments once, where the function begins.
-
-    They never change, see `heavylift.numerics.arrays`, and Numba's words for an array structure are many.
-    """
-
-    def pre_lower(self) -> None:
-        """Remember where the function begins."""
-        super().pre_lower()
-        self._beginning = self.builder.basic_block
-        self._fields: dict[Any, Any] = {}
-
-    def lower_expr(self, resty: Any, expr: Any) -> Any:
-        """A field of an argument, or of a field of one, from where the function begins."""
-        if expr.op == "getattr" and hasattr(self.typeof(expr.value.name), "group"):
-            found = self._field(expr)
-            if found is not None:
-                return found
-        return super().lower_expr(resty, expr)
-
-    def _field(self, expr: Any) -> Any:
-        """Value of a field; None if it belongs to no argument."""
-        try:
-            owner = self.func_ir.get_definition(expr.value)
-        except KeyError:
-            return None
-        if isinstance(owner, Arg):
-            key: Any = (owner.index,)
-        elif isinstance(owner, Expr) and owner.op == "getattr":
-            base = self._field(owner) if hasattr(self.typeof(owner.value.name), "group") else None
-            if base is None:
-                return None
-            key = (id(base),)
-        else:
-            return None
-        key += (expr.attr,)
-        if key not in self._fields:
-            of_type = self.typeof(expr.value.name)
-            with self.builder.goto_block(self._beginning):
-                value = self.fnargs[owner.index] if isinstance(owner, Arg) else base
-                read = self.context.get_getattr(of_type, expr.attr)
-                self._fields[key] = read(self.context, self.builder, of_type, value, expr.attr)
-        return self._fields[key]
-
-
-@register_pass(mutates_CFG=True, analysis_only=False)
-class _LowerPart(NativeLowering):
-    """Writes code without compiling it."""
-
-    _name = "lower_part"
-    lowering_class = _PartLower
-
-    def run_pass(self, state: Any) -> bool:
-        """Into a library of parts."""
-        codegen = state.targetctx.codegen()
-        state.library = PartLibrary(codegen, state.func_id.func_qualname)
-        state.flags.no_compile = True
-        changed = bool(super().run_pass(state))
-        state.library.finalize()
-        entry: Any = [].append  # a dispatcher wants an entry point that is a key; nothing ever calls it
-        state.targetctx.insert_user_function(entry, state["cr"].fndesc, [state.library])
-        state["cr"] = state["cr"]._replace(cfunc=entry)
-        return changed
-
-
-class PartCompiler(CompilerBase):
-    """Numba's passes with `_LowerPart` as the last but one."""
-
-    unused: frozenset[str] = frozenset()
-
-    def define_pipelines(self) -> list[Any]:
-        """Of the usual ones only that without Python objects."""
-        passes = DefaultPassBuilder.define_nopython_pipeline(self.state)
-        passes.passes = [
-            (_LowerPart, text) if pass_class is NativeLowering else (pass_class, text)
-            for pass_class, text in passes.passes
-            if pass_class.__name__ not in self.unused
-        ]
-        passes.finalize()
-        return [passes]
-
-
-UNUSED_PASSES = frozenset(
-    {
-        "AnnotateTypes",
-        "DumpParforDiagnostics",
-        "FindLiterallyCalls",
-        "InlineClosureLikes",
-        "LiteralUnroll",
-        "MakeFunctionToJitFunction",
-        "NopythonRewrites",
-        "RewriteDynamicRaises",
-        "WithLifting",
-    }
-)
-"""Passes of Numba for what internal kernels do not contain: closures, expressions of whole arrays, exceptions."""
-
-
-class InternalCompiler(PartCompiler):
-    """The same without passes for what internal kernels do not contain."""
-
-    unused = UNUSED_PASSES
+def intrinsic(function: Callable[..., Any]) -> Any:
+    """Let kernels call a function that writes code itself, as `numba.extending.intrinsic` does."""
+    return Intrinsic(function)
 
 
 @overload
@@ -277,28 +164,10 @@ def kernel(
     """
 
     def decorate(python_function: F) -> F:
-        flags = set(ROUNDING_FLAGS | {"reassoc"}) if reassociate else set(ROUNDING_FLAGS)
-
-        def compiled_by(pipeline: type[CompilerBase] | None) -> Any:
-            return numba.njit(
-                error_model="numpy",
-                fastmath=flags,
-                forceinline=inline,
-                no_cpython_wrapper=pipeline is not None,
-                _nrt=not internal,
-                no_cfunc_wrapper=True,
-                **({} if pipeline is None else {"pipeline_class": pipeline}),
-            )(python_function)
-
-        compiled = compiled_by(InternalCompiler if internal else None)
-        if compiled is not python_function:
-            update_wrapper(compiled, python_function)
-            if internal:
-                _call_from_kernels(compiled, compiled)
-            else:
-                _cache_when_compiled(compiled)
-                _call_from_kernels(compiled, compiled_by(PartCompiler))
-        return compiled
+        if runs_in_python():
+            return python_function
+        made: Any = Kernel(python_function, inline=inline, reassociate=reassociate, internal=internal)
+        return made
 
     return decorate if function is None else decorate(function)
 
@@ -312,55 +181,18 @@ def in_python(function: F) -> F:
     return plain
 
 
-def _cache_when_compiled(dispatcher: Any) -> None:
-    """Find the cache folder, for which all sources are read, when a kernel is called for the first time."""
-    compile_now = dispatcher.compile
-
-    def compile_cached(signature: Any) -> Any:
-        dispatcher.compile = compile_now
-        folder = cache_folder(dispatcher.py_func.__module__)
-        kept = os.access(folder, os.W_OK) and not edited_since_start((dispatcher.py_func.__module__,))
-        reason = distrusted(folder)
-        if reason:
-            say(f"compiled kernels are not kept: {reason}")
-        if kept and not reason:  # else Numba would cache beside the sources, where stale code can load
-            with _numba_cache_directory(folder):
-                dispatcher.enable_caching()
-        return compile_now(signature)
-
-    dispatcher.compile = compile_cached
-
-
-def _call_from_kernels(dispatcher: Any, called: Any) -> None:
-    """Let kernels that call a kernel use a part of their own code, the same for literal arguments as for all others.
-
-    Numba would compile a kernel once more for each literal that it is called with, and all that it calls.
-    """
-    resolve = called.get_call_template
-
-    def get_call_template(args: Any, kws: Any) -> Any:
-        return resolve(
-            tuple(numba.types.unliteral(one) for one in args),
-            {name: numba.types.unliteral(one) for name, one in kws.items()},
-        )
-
-    dispatcher.get_call_template = get_call_template
-    if called is not dispatcher:
-        dispatcher.get_overload = called.get_overload
-        dispatcher.part = called
-
-
 def view(function: F) -> F:
     """Put a function that returns a part of an array into its callers, before they are compiled.
 
     Compiled by itself it would have to count the references to what it returns.
     """
-    inlined = numba.njit(inline="always", error_model="numpy")(function)
-    update_wrapper(inlined, function)
-    return inlined
+    if runs_in_python():
+        return function
+    made: Any = Kernel(function, put_in=True)
+    return made
 
 
-class CompileClock(event.Listener):
+class CompileClock:
     """Adds up the CPU time of this thread that goes into compiling kernels or loading them.
 
     Attributes
@@ -374,24 +206,29 @@ class CompileClock(event.Listener):
         self._depth = 0
         self._begin = 0.0
 
-    def on_start(self, event: Any) -> None:
+    def start(self) -> None:
         """Note the time; kernels compile those that they call."""
-        del event
         if self._depth == 0:
             self._begin = time.thread_time()
         self._depth += 1
 
-    def on_end(self, event: Any) -> None:
+    def end(self) -> None:
         """Add what passed since the outermost start."""
-        del event
         self._depth -= 1
         if self._depth == 0:
             self.seconds += time.thread_time() - self._begin
+
+
+CLOCKS: list[CompileClock] = []
+"""Those that are running."""
 
 
 @contextlib.contextmanager
 def compile_clock() -> Iterator[CompileClock]:
     """Measure what compilation takes of the work that is done inside."""
     clock = CompileClock()
-    with event.install_listener(COMPILER_EVENT, clock):
+    CLOCKS.append(clock)
+    try:
         yield clock
+    finally:
+        CLOCKS.remove(clock)

@@ -25,8 +25,8 @@ from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
 from llvmlite import ir
-from numba.extending import intrinsic
 
+from heavylift.numerics.jit import intrinsic
 from heavylift.numerics.vector_code import INTEGER, VectorCode, vector_code
 
 __all__ = [

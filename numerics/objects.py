@@ -10,52 +10,42 @@ cannot be written, costs time and nothing else.
 from __future__ import annotations
 
 import atexit
-import contextlib
 import ctypes
-import gc
 import hashlib
 import operator
 import os
-import re
 import shutil
 import sys
 import tempfile
 import threading
 import time
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from functools import cache, partial, update_wrapper
 from pathlib import Path
 from typing import Any
 
 import llvmlite
 import llvmlite.binding as llvm
-import numba
 import numpy as np
-from llvmlite import ir
-from numba.core import types
-from numba.core.compiler_lock import global_compiler_lock
-from numba.core.dispatcher import Dispatcher
-from numba.core.errors import NumbaError
-from numba.core.registry import cpu_target
-from numba.core.runtime import rtsys
-from numba.extending import typeof_impl
-from numba.np import numpy_support
 
 from heavylift.numerics.arrays import (
-    WORD,
+    FLOAT,
+    INTEGER,
+    NOTHING,
     Arrays,
+    ArrayType,
     Pointer,
     Reference,
     Words,
     declared_types,
     described,
-    numba_type,
+    kernel_type,
     number_as_word,
-    rebuild_array,
     word_count,
 )
 from heavylift.numerics.classes import dataclass
-from heavylift.numerics.jit import kernel, module_of
+from heavylift.numerics.jit import Kernel, in_python, kernel, when_compiling, with_compiler
+from heavylift.numerics.packages import version_of
 from heavylift.numerics.sources import (
     cache_root,
     closure_digest,
@@ -75,19 +65,16 @@ __all__ = [
     "build_unit",
     "compiled_units",
     "entry",
-    "function_pointer_type",
     "is_compiled",
     "load_unit",
     "native_function",
-    "native_words",
     "objects_folder",
-    "to_words",
     "writable_root",
 ]
 
-NUMBERS = (types.Number, types.Boolean)
+when_compiling("heavylift.numerics.objects_code")
 
-MAGIC = b"heavylift object 1\n"
+MAGIC = b"heavylift object 2\n"
 
 KEPT_OBJECTS = 3
 """Object files of older sources of a unit that are kept beside the current one."""
@@ -137,6 +124,23 @@ class Compiled:
 
 # ---- files ----
 
+USUAL = 3, None, False, None, None, None
+"""What `heavylift.numerics.jit_code.settings` says if nobody asks Numba for something else."""
+
+CONFIGURATION = Path(".numba_config.yaml")
+"""File in the current folder that Numba reads when it is imported."""
+
+
+def _settings() -> tuple[Any, ...]:
+    """What Numba is told of how to compile; it is imported only if something may tell it."""
+    told = any(name.startswith("NUMBA_") for name in os.environ) or CONFIGURATION.exists()
+    if (
+        told or "numba" in sys.modules or llvm.targets.has_svml()
+    ):  # a vector library, which may be there or not
+        settings: tuple[Any, ...] = with_compiler().settings()
+        return settings
+    return USUAL
+
 
 @cache
 def _machine() -> bytes:
@@ -144,11 +148,11 @@ def _machine() -> bytes:
     return repr(
         (
             sys.version_info[:2],
-            numba.__version__,
+            version_of("numba"),
             llvmlite.__version__,
-            (numba.config.OPT, numba.config.BOUNDSCHECK, numba.config.USING_SVML),
+            _settings(),
             np.__version__,
-            cpu_target.target_context.codegen().magic_tuple(),
+            (llvm.get_default_triple(), llvm.get_host_cpu_name(), llvm.get_host_cpu_features().flatten()),
         )
     ).encode()
 
@@ -254,176 +258,17 @@ def _age(path: Path) -> float:
 # ---- code ----
 
 
-def native_words(of_type: Any) -> list[ir.Type]:
-    """What a parameter becomes in the interface of a compiled function."""
-    if isinstance(of_type, (types.Array, Words)):
-        return [WORD] * word_count(of_type)
-    if isinstance(of_type, Pointer):
-        return [WORD.as_pointer()]
-    return [ir.DoubleType()] if of_type == types.float64 else [WORD]
-
-
-def function_pointer_type(parameters: Iterable[Any], result: Any = types.none) -> ir.FunctionType:
-    """Type of a compiled function."""
-    out = ir.VoidType() if result == types.none else native_words(result)[0]
-    return ir.FunctionType(out, [word for one in parameters for word in native_words(one)])
-
-
-def to_words(context: Any, builder: Any, of_type: Any, value: Any) -> list[Any]:
-    """A value as the words of the interface."""
-    if isinstance(of_type, types.Array):
-        array = context.make_array(of_type)(context, builder, value)
-        lengths = [builder.extract_value(array.shape, i) for i in range(of_type.ndim)]
-        return [builder.ptrtoint(array.data, WORD), *lengths]
-    if isinstance(of_type, Words):
-        return of_type.to_words(context, builder, value)
-    return [builder.zext(value, WORD)] if of_type == types.boolean else [value]
-
-
-def _from_words(context: Any, builder: Any, of_type: Any, words: list[Any]) -> Any:
-    if isinstance(of_type, types.Array):
-        return rebuild_array(context, builder, of_type, words)
-    if isinstance(of_type, Words):
-        return of_type.rebuild(context, builder, words)
-    return builder.trunc(words[0], ir.IntType(1)) if of_type == types.boolean else words[0]
-
-
-@contextlib.contextmanager
-def _cycles_kept() -> Iterator[None]:
-    """Do not search for unused cycles of objects: compiling makes millions of objects, most of which stay in use."""
-    searching = gc.isenabled()
-    gc.disable()
-    try:
-        yield
-    finally:
-        if searching:
-            gc.enable()
-
-
-@contextlib.contextmanager
-def _remembered_answers() -> Iterator[None]:
-    """Remember what Numba finds out thousands of times: types of operators on numbers, sizes of LLVM types."""
-    context_class: Any = type(cpu_target.target_context)
-    function_class: Any = types.functions.BaseFunction
-    resolve, size_of = function_class.get_call_type, context_class.get_abi_sizeof
-    known: dict[Any, Any] = {}
-    sizes: dict[str, int] = {}
-
-    def get_call_type(self: Any, context: Any, arguments: Any, named: Any) -> Any:
-        if named or not all(
-            isinstance(one, NUMBERS) and not isinstance(one, types.Literal) for one in arguments
-        ):
-            return resolve(self, context, arguments, named)
-        key = self, arguments
-        if key not in known:
-            known[key] = resolve(self, context, arguments, named)
-        return known[key]
-
-    def get_abi_sizeof(self: Any, of_type: Any) -> int:
-        name = str(of_type)
-        if name not in sizes:
-            sizes[name] = size_of(self, of_type)
-        return sizes[name]
-
-    function_class.get_call_type, context_class.get_abi_sizeof = get_call_type, get_abi_sizeof
-    try:
-        yield
-    finally:
-        function_class.get_call_type, context_class.get_abi_sizeof = resolve, size_of
-
-
 def _compile(unit: Unit) -> bytes:
-    """Object file of a unit.
-
-    Raises
-    ------
-    CompileError
-        Names the kernel, the unit, the file and the line.
-    """
-    context = cpu_target.target_context
-    codegen = context.codegen()
-    wrappers = codegen._create_empty_module(unit.name)  # noqa: SLF001
-    libraries: dict[Any, None] = {}
-    with global_compiler_lock, _cycles_kept(), _remembered_answers():
-        for symbol, (callable_kernel, parameters, result) in unit.entries.items():
-            dispatcher = getattr(callable_kernel, "part", callable_kernel)
-            try:
-                dispatcher.compile(parameters)
-            except NumbaError as error:
-                raise CompileError(_explain(symbol, unit, dispatcher, error)) from None
-            overload = dispatcher.overloads[tuple(parameters)]
-            made = overload.signature.return_type
-            if made != result and not (isinstance(made, types.Integer) and result == types.int64):
-                raise CompileError(f"{symbol} of {unit.name} returns {made}, expected {result}")
-            overload.library.parts(libraries)
-            function = ir.Function(wrappers, function_pointer_type(parameters, result), symbol)
-            builder = ir.IRBuilder(function.append_basic_block())
-            words = list(function.args)
-            values = []
-            for of_type in parameters:
-                count = len(native_words(of_type))
-                values.append(_from_words(context, builder, of_type, words[:count]))
-                words = words[count:]
-            called = context.declare_function(wrappers, overload.fndesc)
-            status, value = context.call_conv.call_function(builder, called, made, parameters, values)
-            with builder.if_then(status.is_error, likely=False):
-                name = context.insert_const_string(wrappers, symbol)
-                place = wrappers.globals.get(FAILURE) or ir.GlobalVariable(wrappers, WORD, FAILURE)
-                builder.store(builder.ptrtoint(name, WORD), place)
-            if result == types.none:
-                builder.ret_void()
-            else:
-                builder.ret(to_words(context, builder, result, value)[0])
-        return _link(codegen, wrappers, libraries, set(unit.entries))
-
-
-def _link(codegen: Any, wrappers: Any, libraries: Iterable[Any], symbols: set[str]) -> bytes:
-    """All parts in one module, optimised together."""
-    whole = llvm.parse_assembly(str(wrappers))
-    whole.data_layout = codegen._data_layout  # noqa: SLF001
-    for library in libraries:
-        whole.link_in(module_of(library), preserve=True)
-    for value in (*whole.functions, *whole.global_variables):
-        if not value.is_declaration and value.name not in symbols:
-            value.linkage = "internal"
-    # reference counts that cancel are found after the first of them, and removed by the second
-    cheap, cheap_builder = codegen._module_pass_manager(slp_vectorize=False, cost="cheap")  # noqa: SLF001
-    cheap.run(whole, cheap_builder)
-    full, full_builder = codegen._module_pass_manager()  # noqa: SLF001
-    full.run(whole, full_builder)
-    whole.verify()
-    missing = sorted(
-        one.name for one in whole.functions if one.is_declaration and one.name.startswith("NRT_")
-    )
-    # the process would die where the object is loaded; checks of bounds leave some, and `_engine` knows them then
-    if missing and not numba.config.BOUNDSCHECK:
-        raise CompileError(
-            f"{', '.join(sorted(symbols))}: a kernel makes, reshapes or returns arrays: {', '.join(missing)} is left"
-        )
-    return bytes(codegen._tm.emit_object(whole))  # noqa: SLF001
-
-
-def _explain(symbol: str, unit: Unit, dispatcher: Any, error: Exception) -> str:
-    """One line of a page of type inference: the innermost place that the compiler names."""
-    text = str(error)
-    places = re.findall(r'File "([^"]+)", line (\d+)', text)
-    if places:
-        file, line = places[-1]
-    else:
-        file, line = dispatcher.py_func.__code__.co_filename, str(dispatcher.py_func.__code__.co_firstlineno)
-    reasons = [part.strip() for part in text.splitlines() if part.strip() and "\x1b" not in part]
-    message = next(
-        (part for part in reasons if not part.startswith(("Failed", "During", "File"))), type(error).__name__
-    )
-    return f"{unit.name}: {symbol.rpartition('.')[2]} does not compile: {file}, line {line}: {message}"
+    """Object file of a unit, see `heavylift.numerics.objects_code`."""
+    made: bytes = with_compiler("heavylift.numerics.objects_code").compile_unit(unit)
+    return made
 
 
 @cache
 def _engine() -> Any:
-    """The engine that all objects are loaded into; symbols of Numba's helpers are known once its context is there."""
-    context = cpu_target.target_context
-    if numba.config.BOUNDSCHECK:
-        rtsys.initialize(context)
+    """The engine that all objects are loaded into; functions of the process are known once it is there."""
+    llvm.initialize_native_target()
+    llvm.initialize_native_asmprinter()
     machine = llvm.Target.from_default_triple().create_target_machine(
         cpu=llvm.get_host_cpu_name(), features=llvm.get_host_cpu_features().flatten(), jit=True
     )
@@ -473,9 +318,13 @@ def load_unit(unit: Unit) -> Compiled:
 
 def _load(data: bytes, unit: Unit) -> dict[str, int] | None:
     """Addresses of an object in memory; None if it is none."""
+    names, _, code = data.partition(b"\0")
+    engine = _engine()
+    # what is not known is of Numba; the process would die where the object is loaded
+    if not all(map(llvm.address_of_symbol, filter(None, names.decode().split("\n")))):
+        with_compiler().give_helpers()
     try:
-        engine = _engine()
-        engine.add_object_file(llvm.ObjectFileRef.from_data(data))
+        engine.add_object_file(llvm.ObjectFileRef.from_data(code))
         engine.finalize_object()
     except RuntimeError:
         return None
@@ -496,8 +345,8 @@ def _place_in_memory(array: Any) -> int:
 
 def _encoder(of_type: Any) -> Callable[[list[Any], Any], None]:
     """Function that appends the words of a value of this type to a list, or raises a TypeError."""
-    if isinstance(of_type, types.Array):
-        dtype, dimensions = numpy_support.as_dtype(of_type.dtype), of_type.ndim
+    if isinstance(of_type, ArrayType):
+        dtype, dimensions = of_type.dtype, of_type.ndim
         place = _place_in_memory if dtype.names is None else lambda array: array.ctypes.data
 
         def put_array(words: list[Any], value: Any) -> None:
@@ -511,9 +360,9 @@ def _encoder(of_type: Any) -> Callable[[list[Any], Any], None]:
         return lambda words, value: words.extend(of_type.words(value, "an argument"))
     if isinstance(of_type, Pointer):
         return lambda words, value: words.append(value.address)
-    if of_type == types.float64:
+    if of_type == FLOAT:
         return lambda words, value: words.append(float(value))
-    if of_type == types.int64:
+    if of_type == INTEGER:
         return lambda words, value: words.append(operator.index(value))
     return lambda words, value: words.append(number_as_word(of_type, value))
 
@@ -527,11 +376,11 @@ def native_function(
     """
     kinds = tuple(parameters)
     codes = [
-        ctypes.c_double if isinstance(word, ir.DoubleType) else ctypes.c_int64
+        ctypes.c_double if of_type == FLOAT else ctypes.c_int64
         for of_type in kinds
-        for word in native_words(of_type)
+        for _ in range(word_count(of_type))
     ]
-    out = None if result == types.none else (ctypes.c_double if result == types.float64 else ctypes.c_int64)
+    out = None if result == NOTHING else (ctypes.c_double if result == FLOAT else ctypes.c_int64)
     call = ctypes.CFUNCTYPE(out, *codes)(address)
 
     # what depends on the types alone is decided here: a statics calls small kernels some ten thousand times
@@ -580,11 +429,11 @@ def signature(function: Callable[..., Any]) -> tuple[tuple[Any, ...], Any]:
         Names the function and the parameter.
     """
     hints = declared_types(function)
-    result = numba_type(hints.pop("return", None))
+    result = kernel_type(hints.pop("return", None))
     parameters = []
     for name in function.__code__.co_varnames[: function.__code__.co_argcount]:
         try:
-            parameters.append(numba_type(hints[name]))
+            parameters.append(kernel_type(hints[name]))
         except (KeyError, TypeError) as error:
             raise TypeError(f"{function.__module__}.{function.__qualname__}, {name}: {error}") from None
     return tuple(parameters), result
@@ -606,8 +455,7 @@ class Entry:
     @property
     def unit(self) -> Unit:
         """Of this function alone."""
-        kernel_of_numba: Any = self.kernel
-        function = getattr(kernel_of_numba, "py_func", kernel_of_numba)
+        function = in_python(self.kernel)
         name = f"{function.__module__.removeprefix('heavylift.')}.{function.__qualname__}"
         parameters, result = signature(function)
         modules = {function.__module__}
@@ -629,7 +477,7 @@ class Entry:
         TypeError
             If kernels would misread a value; names its number and both types.
         """
-        if not isinstance(self.kernel, Dispatcher):
+        if not isinstance(self.kernel, Kernel):
             return partial(self.kernel, *first)
         unit = self.unit
         ((symbol, (_, parameters, result)),) = unit.entries.items()
@@ -637,7 +485,7 @@ class Entry:
 
     def __call__(self, *values: Any) -> Any:
         """Compile or load it at the first call."""
-        if not isinstance(self.kernel, Dispatcher):
+        if not isinstance(self.kernel, Kernel):
             return self.kernel(*values)
         if self._call is None:
             self._call = self.with_first()
@@ -647,10 +495,3 @@ class Entry:
 def entry(function: Callable[..., Any]) -> Entry:
     """Declare a kernel that Python calls, with annotations of all its types."""
     return Entry(function)
-
-
-@typeof_impl.register(Entry)
-def _type_of_entry(value: Entry, context: Any) -> Any:
-    """Kernels call the kernel behind it."""
-    del context
-    return types.Dispatcher(value.kernel)

@@ -17,35 +17,19 @@ from functools import cache
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Generic, Self, TypeVar, overload
 
 import numpy as np
-from llvmlite import ir
-from numba.core import cgutils, types
-from numba.core.datamodel import models
-from numba.core.imputils import (
-    lower_builtin,
-    lower_cast,
-    lower_getattr,
-    lower_getattr_generic,
-    lower_setattr_generic,
-)
-from numba.core.typeconv import Conversion
-from numba.core.typing.context import BaseContext
-from numba.core.typing.templates import AbstractTemplate, AttributeTemplate, infer_getattr, infer_global
-from numba.core.typing.templates import signature as call_signature
-from numba.extending import NativeValue, register_model, typeof_impl, unbox
-from numba.np import numpy_support
 from numpy.typing import NDArray
 
 from heavylift.numerics.arrays import (
-    WORD,
+    ArrayType,
+    KernelType,
+    NumberType,
     Pointer,
     Words,
-    _PointerModel,
     declared_types,
     described,
-    rebuild_array,
-    unbox_address,
 )
 from heavylift.numerics.hints import array_scalar
+from heavylift.numerics.jit import when_compiling
 
 __all__ = [
     "Matrix3",
@@ -60,6 +44,8 @@ __all__ = [
     "record_at",
     "records",
 ]
+
+when_compiling("heavylift.numerics.records_code")
 
 Vector = Annotated[NDArray[np.float64], (3,)]
 """Field of three numbers; one of another shape is ``Annotated[NDArray[...], shape]``."""
@@ -143,7 +129,7 @@ class Record(_Scalar):
         return np.frombuffer(memory, dtype=np.float64)
 
     @classmethod
-    def numba_type(cls) -> RecordType:
+    def kernel_type(cls) -> RecordType:
         """Type in kernels."""
         return RecordType(cls)
 
@@ -191,14 +177,14 @@ def _first_of_span(annotation: Any) -> str | None:
     return words[2] if len(words) > 2 else None
 
 
-def _field_type(of_field: np.dtype[Any]) -> Any:
-    """Numba type of a field."""
+def _field_type(of_field: np.dtype[Any]) -> KernelType:
+    """Type of a field in kernels."""
     if of_field.subdtype is not None:
         scalar, shape = of_field.subdtype
-        return types.Array(numpy_support.from_dtype(scalar), len(shape), "C")
+        return ArrayType(scalar, len(shape))
     if issubclass(of_field.type, Record):
         return RecordType(of_field.type)
-    return numpy_support.from_dtype(of_field)
+    return NumberType(of_field)
 
 
 if TYPE_CHECKING:
@@ -264,7 +250,7 @@ class _LaneRecordsOf:
     def __init__(self, record: type[Record], lanes: int) -> None:
         self.record, self.lanes = record, lanes
 
-    def numba_type(self) -> LaneRecordsType:
+    def kernel_type(self) -> LaneRecordsType:
         """Type in kernels."""
         return LaneRecordsType(self.record, self.lanes)
 
@@ -299,7 +285,7 @@ class _RecordsOf:
     def __init__(self, record: type[Record]) -> None:
         self.record = record
 
-    def numba_type(self) -> RecordsType:
+    def kernel_type(self) -> RecordsType:
         """Type in kernels."""
         return RecordsType(self.record)
 
@@ -436,28 +422,21 @@ def _records_within(record: Any) -> dict[str, type[Record]]:
     return {name: of_class for name, of_class in found.items() if issubclass(of_class, Record)}
 
 
-# ---- in kernels ----
+# ---- types in kernels ----
 
 
 class RecordType(Pointer):
-    """Numba type of a record: a pointer to it."""
+    """A record: a pointer to it."""
 
     def __init__(self, record: type[Record]) -> None:
         self.record = record
-        super().__init__(name=f"{record.__module__}.{record.__qualname__}")
+        super().__init__(f"{record.__module__}.{record.__qualname__}", record)
 
     def accept(self, value: Any, where: str) -> Any:
         """Only a record of the class or of a subclass."""
         if not isinstance(value, self.record):
             raise TypeError(f"{where}: {type(value).__name__}, expected {self.record.__name__}")
         return value
-
-    def can_convert_to(self, typingctx: Any, other: Any) -> Any:
-        """A subclass begins with the fields of its base."""
-        del typingctx
-        if isinstance(other, RecordType) and issubclass(self.record, other.record):
-            return Conversion.exact if self.record is other.record else Conversion.safe
-        return None
 
     def described(self) -> str:
         """All that compiled code knows of it."""
@@ -467,13 +446,13 @@ class RecordType(Pointer):
 
 
 class RecordsType(Words):
-    """Numba type of an array of records: its address and length."""
+    """An array of records: its address and length."""
 
     word_count = 2
 
     def __init__(self, record: type[Record]) -> None:
         self.record = record
-        super().__init__(name=f"Records[{record.__module__}.{record.__qualname__}]")
+        super().__init__(f"Records[{record.__module__}.{record.__qualname__}]", record)
 
     def words(self, value: Any, where: str) -> list[int]:
         """Address and length.
@@ -502,27 +481,15 @@ class RecordsType(Words):
         """All that compiled code knows of it."""
         return f"Records[{RecordType(self.record).described()}]"
 
-    def rebuild(self, context: Any, builder: Any, words: list[Any]) -> Any:
-        """Structure from address and length."""
-        made = cgutils.create_struct_proxy(self)(context, builder)
-        made.data = builder.inttoptr(words[0], WORD.as_pointer())
-        made.count = words[1]
-        return made._getvalue()  # noqa: SLF001
-
-    def to_words(self, context: Any, builder: Any, value: Any) -> list[Any]:
-        """Address and length of a structure."""
-        made = cgutils.create_struct_proxy(self)(context, builder, value)
-        return [builder.ptrtoint(made.data, WORD), made.count]
-
 
 class LaneRecordsType(Words):
-    """Numba type of an array of records of lanes: its address, its length, and its lanes unless the type has them."""
+    """An array of records of lanes: its address, its length, and its lanes unless the type has them."""
 
     word_count = 3
 
     def __init__(self, record: type[Record], lanes: int) -> None:
         self.record, self.lanes = record, lanes
-        super().__init__(name=f"LaneRecords[{record.__module__}.{record.__qualname__}, {lanes}]")
+        super().__init__(f"LaneRecords[{record.__module__}.{record.__qualname__}, {lanes}]", record, lanes)
 
     def words(self, value: Any, where: str) -> list[int]:
         """Address, length and lanes.
@@ -549,258 +516,6 @@ class LaneRecordsType(Words):
         """All that compiled code knows of it."""
         return f"{self}{list(self.record.fields_of)}"
 
-    def rebuild(self, context: Any, builder: Any, words: list[Any]) -> Any:
-        """Structure from address, length and lanes."""
-        made = cgutils.create_struct_proxy(self)(context, builder)
-        made.data = builder.inttoptr(words[0], WORD.as_pointer())
-        made.count, made.lanes = words[1], words[2]
-        return made._getvalue()  # noqa: SLF001
-
-    def to_words(self, context: Any, builder: Any, value: Any) -> list[Any]:
-        """Address, length and lanes of a structure."""
-        made = cgutils.create_struct_proxy(self)(context, builder, value)
-        return [builder.ptrtoint(made.data, WORD), made.count, made.lanes]
-
-
-class LaneRecordType(types.Type):
-    """Numba type of one record of lanes."""
-
-    def __init__(self, record: type[Record], lanes: int) -> None:
-        self.record, self.lanes = record, lanes
-        super().__init__(name=f"LaneRecord[{record.__module__}.{record.__qualname__}, {lanes}]")
-
-
-@register_model(LaneRecordsType)
-@register_model(LaneRecordType)
-class _LanesModel(models.StructModel):
-    def __init__(self, manager: Any, of_type: Any) -> None:
-        members = [("data", types.misc.CPointer(types.int64)), ("count", types.int64), ("lanes", types.int64)]
-        super().__init__(manager, of_type, members)
-
-
-@infer_getattr
-class _LaneFields(AttributeTemplate):
-    key = LaneRecordType
-
-    def generic_resolve(self, of_type: Any, name: str) -> Any:
-        """A vector of lanes."""
-        return types.Array(types.float64, 1, "C") if name in of_type.record.fields_of else None
-
-
-@lower_getattr_generic(LaneRecordType)
-def _lane_field(context: Any, builder: Any, of_type: Any, value: Any, name: str) -> Any:
-    one = cgutils.create_struct_proxy(of_type)(context, builder, value)
-    lanes = ir.Constant(WORD, of_type.lanes) if of_type.lanes else one.lanes
-    place = list(of_type.record.fields_of).index(name)
-    at = builder.gep(one.data, [builder.mul(ir.Constant(WORD, place), lanes)], source_etype=WORD)
-    vector = types.Array(types.float64, 1, "C")
-    return rebuild_array(context, builder, vector, [builder.ptrtoint(at, WORD), lanes])
-
-
-register_model(RecordType)(_PointerModel)
-unbox(RecordType)(unbox_address)
-
-
-@register_model(RecordsType)
-class _RecordsModel(models.StructModel):
-    def __init__(self, manager: Any, of_type: Any) -> None:
-        super().__init__(
-            manager, of_type, [("data", types.misc.CPointer(types.int64)), ("count", types.int64)]
-        )
-
-
-@unbox(RecordsType)
-def _unbox_records(of_type: Any, value: Any, c: Any) -> NativeValue:
-    made = cgutils.create_struct_proxy(of_type)(c.context, c.builder)
-    interface = c.pyapi.object_getattr_string(value, "ctypes")
-    address = c.pyapi.object_getattr_string(interface, "data")
-    count = c.pyapi.object_getattr_string(value, "size")
-    made.data = c.builder.inttoptr(c.pyapi.long_as_longlong(address), WORD.as_pointer())
-    made.count = c.pyapi.long_as_longlong(count)
-    for one in (interface, address, count):
-        c.pyapi.decref(one)
-    return NativeValue(made._getvalue(), is_error=cgutils.is_not_null(c.builder, c.pyapi.err_occurred()))  # noqa: SLF001
-
-
-_type_of_array = typeof_impl.dispatch(np.ndarray)
-
-
-@typeof_impl.register(np.ndarray)
-def _type_of_records(value: Any, context: Any) -> Any:
-    if issubclass(value.dtype.type, Record):
-        return RecordsType(value.dtype.type)
-    return _type_of_array(value, context)
-
-
-@typeof_impl.register(Record)
-def _type_of_record(value: Record, context: Any) -> RecordType:
-    del context
-    return RecordType(type(value))
-
-
-@lower_cast(RecordType, RecordType)
-def _cast(context: Any, builder: Any, from_type: Any, to_type: Any, value: Any) -> Any:
-    del context, builder, from_type, to_type
-    return value
-
-
-@infer_getattr
-class _Fields(AttributeTemplate):
-    key = RecordType
-
-    def generic_resolve(self, of_type: Any, name: str) -> Any:
-        """Type of a field."""
-        if name == "words":
-            return types.Array(types.float64, 1, "C")
-        known = of_type.record.fields_of.get(name)
-        return None if known is None else known[0]
-
-
-def _place_of_field(builder: Any, of_type: Any, value: Any, name: str) -> tuple[Any, Any]:
-    """Type of a field and pointer to its first word."""
-    field_type, offset = of_type.record.fields_of[name]
-    return field_type, builder.gep(value, [ir.Constant(WORD, offset // WORD_BYTES)], source_etype=WORD)
-
-
-@lower_getattr_generic(RecordType)
-def _field(context: Any, builder: Any, of_type: Any, value: Any, name: str) -> Any:
-    if name == "words":
-        count = ir.Constant(WORD, of_type.record.layout.itemsize // WORD_BYTES)
-        floats = types.Array(types.float64, 1, "C")
-        return rebuild_array(context, builder, floats, [builder.ptrtoint(value, WORD), count])
-    field_type, at = _place_of_field(builder, of_type, value, name)
-    if isinstance(field_type, RecordType):
-        return at
-    if isinstance(field_type, types.Array):
-        lengths = [ir.Constant(WORD, length) for length in of_type.record.layout[name].shape]
-        return rebuild_array(context, builder, field_type, [builder.ptrtoint(at, WORD), *lengths])
-    data_type = context.get_data_type(field_type)
-    return context.data_model_manager[field_type].load_from_data_pointer(
-        builder, builder.bitcast(at, data_type.as_pointer())
-    )
-
-
-_resolve_setattr = BaseContext.resolve_setattr
-
-
-def _refuse_what_does_not_fit(self: Any, target: Any, attr: str, value: Any) -> Any:
-    """A field is set to a number of its type: a view would be written over it, a fraction cut."""
-    if isinstance(target, RecordType):
-        field = target.record.fields_of.get(attr, (None, 0))[0]
-        cut = isinstance(field, (types.Integer, types.Boolean)) and isinstance(value, types.Float)
-        if not isinstance(field, (types.Number, types.Boolean)) or cut:
-            return None
-    return _resolve_setattr(self, target, attr, value)
-
-
-BaseContext.resolve_setattr = _refuse_what_does_not_fit
-
-
-@lower_setattr_generic(RecordType)
-def _set_field(context: Any, builder: Any, signature: Any, values: Any, name: str) -> None:
-    field_type, at = _place_of_field(builder, signature.args[0], values[0], name)
-    model = context.data_model_manager[field_type]
-    data = model.as_data(builder, values[1])
-    builder.store(data, builder.bitcast(at, data.type.as_pointer()))
-
-
-@infer_getattr
-class _ArrayAttributes(AttributeTemplate):
-    key = RecordsType
-
-    def resolve_shape(self, of_type: Any) -> Any:
-        """As of an array."""
-        del of_type
-        return types.containers.UniTuple(types.int64, 1)
-
-    def resolve_size(self, of_type: Any) -> Any:
-        """As of an array."""
-        del of_type
-        return types.int64
-
-
-@lower_getattr(RecordsType, "size")
-def _size(context: Any, builder: Any, of_type: Any, value: Any) -> Any:
-    return cgutils.create_struct_proxy(of_type)(context, builder, value).count
-
-
-@lower_getattr(RecordsType, "shape")
-def _shape(context: Any, builder: Any, of_type: Any, value: Any) -> Any:
-    count = cgutils.create_struct_proxy(of_type)(context, builder, value).count
-    return context.make_tuple(builder, types.containers.UniTuple(types.int64, 1), [count])
-
-
-@infer_global(len)
-class _Length(AbstractTemplate):
-    def generic(self, arguments: Any, named: Any) -> Any:
-        """Of an array of records."""
-        del named
-        of_records = isinstance(arguments[0], (RecordsType, LaneRecordsType))
-        return call_signature(types.int64, *arguments) if of_records else None
-
-
-@lower_builtin(len, RecordsType)
-@lower_builtin(len, LaneRecordsType)
-def _length(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-    return cgutils.create_struct_proxy(signature.args[0])(context, builder, values[0]).count
-
-
-@infer_global(operator.getitem)
-class _Item(AbstractTemplate):
-    def generic(self, arguments: Any, named: Any) -> Any:
-        """A record, or those from one to another."""
-        del named
-        array, index = arguments
-        if isinstance(array, RecordsType) and isinstance(index, types.Integer):
-            return call_signature(RecordType(array.record), array, types.int64)
-        if isinstance(array, LaneRecordsType) and isinstance(index, types.Integer):
-            return call_signature(LaneRecordType(array.record, array.lanes), array, types.int64)
-        if isinstance(array, RecordsType) and index == types.slice2_type:
-            return call_signature(array, array, index)
-        return None
-
-
-def _record_pointer(builder: Any, array: Any, record: Any, place: Any) -> Any:
-    words = ir.Constant(WORD, record.layout.itemsize // WORD_BYTES)
-    return builder.gep(array.data, [builder.mul(place, words)], source_etype=WORD)
-
-
-@lower_builtin(operator.getitem, RecordsType, types.Integer)
-def _item(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-    of_type = signature.args[0]
-    array = cgutils.create_struct_proxy(of_type)(context, builder, values[0])
-    if context.enable_boundscheck:
-        cgutils.do_boundscheck(context, builder, values[1], array.count)
-    return _record_pointer(builder, array, of_type.record, values[1])
-
-
-@lower_builtin(operator.getitem, LaneRecordsType, types.Integer)
-def _lane_item(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-    of_type = signature.args[0]
-    array = cgutils.create_struct_proxy(of_type)(context, builder, values[0])
-    if context.enable_boundscheck:
-        cgutils.do_boundscheck(context, builder, values[1], array.count)
-    lanes = ir.Constant(WORD, of_type.lanes) if of_type.lanes else array.lanes
-    width = builder.mul(ir.Constant(WORD, len(of_type.record.fields_of)), lanes)
-    one = cgutils.create_struct_proxy(signature.return_type)(context, builder)
-    one.data = builder.gep(array.data, [builder.mul(values[1], width)], source_etype=WORD)
-    one.count, one.lanes = array.count, lanes
-    return one._getvalue()  # noqa: SLF001
-
-
-@lower_builtin(operator.getitem, RecordsType, types.slice2_type)
-def _part(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-    of_type = signature.args[0]
-    array = cgutils.create_struct_proxy(of_type)(context, builder, values[0])
-    part = context.make_helper(builder, signature.args[1], values[1])
-    last = builder.select(builder.icmp_signed("<", part.stop, array.count), part.stop, array.count)
-    made = cgutils.create_struct_proxy(of_type)(context, builder)
-    made.data = _record_pointer(builder, array, of_type.record, part.start)
-    count = builder.sub(last, part.start)
-    zero = ir.Constant(WORD, 0)
-    made.count = builder.select(builder.icmp_signed("<", count, zero), zero, count)
-    return made._getvalue()  # noqa: SLF001
-
 
 def numbers_in(group: Any) -> list[NDArray[np.float64]]:
     """All floats and records that a group of arrays holds, as arrays that can be kept and put back; views."""
@@ -811,6 +526,18 @@ def numbers_in(group: Any) -> list[NDArray[np.float64]]:
         elif isinstance(value, np.ndarray) and (value.dtype == np.float64 or value.dtype.names):
             found.append(value)
     return found
+
+
+class RecordAt(Generic[R]):
+    """What `record_at` makes; see there."""
+
+    def __init__(self, record: type[R]) -> None:
+        self.record, self.words = record, record.layout.itemsize // WORD_BYTES
+
+    def __call__(self, values: NDArray[np.float64], place: int) -> R:
+        """The record at a place."""
+        found: R = values[place : place + self.words].view(self.record.layout)[0]
+        return found
 
 
 def record_at(record: type[R]) -> typing.Callable[[NDArray[np.float64], int], R]:
@@ -826,32 +553,7 @@ def record_at(record: type[R]) -> typing.Callable[[NDArray[np.float64], int], R]
     callable
         For kernels and Python; it does not look at the end of the array unless bounds are checked.
     """
-    of_type = RecordType(record)
-    words = record.layout.itemsize // WORD_BYTES
-
-    def seen(values: NDArray[np.float64], place: int) -> R:
-        found: R = values[place : place + words].view(record.layout)[0]
-        return found
-
-    class Template(AbstractTemplate):
-        key = seen
-
-        def generic(self, arguments: Any, named: Any) -> Any:
-            array, _ = arguments
-            flat = isinstance(array, types.Array) and array.ndim == 1 and array.layout == "C"
-            return None if named or not flat else call_signature(of_type, array, types.int64)
-
-    def see(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        array = context.make_array(signature.args[0])(context, builder, arguments[0])
-        if context.enable_boundscheck and words > 0:
-            last = builder.add(arguments[1], ir.Constant(WORD, words - 1))
-            cgutils.do_boundscheck(context, builder, last, builder.extract_value(array.shape, 0))
-        data = builder.bitcast(array.data, WORD.as_pointer())
-        return builder.gep(data, [arguments[1]], source_etype=WORD)
-
-    infer_global(seen, types.Function(Template))
-    lower_builtin(seen, types.Array, types.Integer)(see)
-    return seen
+    return RecordAt(record)
 
 
 def copy_record(target: R, source: R) -> None:
@@ -862,42 +564,3 @@ def copy_record(target: R, source: R) -> None:
 def clear_record(record: Record) -> None:
     """All fields 0."""
     record.words[:] = 0.0
-
-
-def _words_of(context: Any, builder: Any, of_type: Any, value: Any) -> tuple[Any, Any]:
-    """Address and number of words of a record."""
-    if isinstance(of_type, LaneRecordType):
-        one = cgutils.create_struct_proxy(of_type)(context, builder, value)
-        lanes = ir.Constant(WORD, of_type.lanes) if of_type.lanes else one.lanes
-        return one.data, builder.mul(ir.Constant(WORD, len(of_type.record.fields_of)), lanes)
-    return value, ir.Constant(WORD, of_type.record.layout.itemsize // WORD_BYTES)
-
-
-@infer_global(copy_record)
-@infer_global(clear_record)
-class _OfRecords(AbstractTemplate):
-    def generic(self, arguments: Any, named: Any) -> Any:
-        """Of one record, or of two of one class."""
-        del named
-        known = all(
-            isinstance(one, (RecordType, LaneRecordType)) and one == arguments[0] for one in arguments
-        )
-        return call_signature(types.none, *arguments) if known else None
-
-
-@lower_builtin(copy_record, RecordType, RecordType)
-@lower_builtin(copy_record, LaneRecordType, LaneRecordType)
-def _copy(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-    target, count = _words_of(context, builder, signature.args[0], values[0])
-    source, _ = _words_of(context, builder, signature.args[1], values[1])
-    cgutils.raw_memmove(builder, target, source, count, WORD_BYTES)
-    return context.get_dummy_value()
-
-
-@lower_builtin(clear_record, RecordType)
-@lower_builtin(clear_record, LaneRecordType)
-def _clear(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-    target, count = _words_of(context, builder, signature.args[0], values[0])
-    with cgutils.for_range(builder, count) as loop:
-        builder.store(ir.Constant(WORD, 0), builder.gep(target, [loop.index], source_etype=WORD))
-    return context.get_dummy_value()

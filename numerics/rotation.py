@@ -8,6 +8,7 @@ A rotation by the body-axis vector ``v`` is appended on the right: ``q o exp(v)`
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -22,6 +23,7 @@ __all__ = [
     "rotate_by_exponential",
     "rotate_by_quaternion",
     "rotation_matrix",
+    "turned_by",
     "write_rotation_matrix",
 ]
 
@@ -104,6 +106,14 @@ def rotation_matrix(quaternion: ArrayLike) -> NDArray[np.float64]:
     q0, q1, q2, q3 = q.tolist()
     in_python(write_rotation_matrix)((q0, q1, q2, q3), matrix)
     return matrix.reshape(3, 3)
+
+
+def turned_by(quaternions: ArrayLike, vector: ArrayLike) -> NDArray[np.float64]:
+    """A vector, shape (3,), turned by each of some quaternions, shape (n, 4), normalised first: shape (n, 3)."""
+    q = np.asarray(quaternions, dtype=np.float64)
+    q = q / np.linalg.norm(q, axis=1, keepdims=True)
+    turn: Any = in_python(rotate_by_quaternion)  # of columns of numbers as of numbers
+    return np.stack(turn(q.T, *np.asarray(vector, dtype=np.float64).tolist()), axis=1)
 
 
 def quaternion_from_rotation_vector(vector: ArrayLike) -> NDArray[np.float64]:

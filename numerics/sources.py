@@ -33,9 +33,14 @@ PACKAGE = Path(__file__).resolve().parent.parent
 """Folder that holds the folders of the sources."""
 
 IMPORT = re.compile(
-    r"^(?:from (heavylift[\w.]*) import (\([^)]*\)|[^\n(]*)|import (heavylift[\w.]*))", re.MULTILINE
+    r"^(?:from (heavylift[\w.]*) import (\([^)]*\)|[^\n(]*)|import (heavylift[\w.]*)"
+    r"|when_compiling\(\"(heavylift[\w.]*)\"\))",
+    re.MULTILINE,
 )
-"""An import at the top level of a module; those within functions and for type checkers do not count."""
+"""An import at the top level of a module, or what the compiler imports for it (`heavylift.numerics.jit`).
+
+Those within functions and for type checkers do not count.
+"""
 
 
 def cache_root() -> Path:
@@ -141,8 +146,8 @@ def _source(module: str) -> tuple[bytes, tuple[str, ...]]:
         return bytes(32), ()
     content = file.read_bytes()
     found: list[str] = []
-    for whole, names, plain in IMPORT.findall(content.decode()):
-        found.append(whole or plain)
+    for whole, names, plain, taught in IMPORT.findall(content.decode()):
+        found.append(whole or plain or taught)
         folder = PACKAGE.joinpath(*whole.split(".")[1:])
         parts = re.findall(r"(\w+)(?: as \w+)?", names)
         found += [f"{whole}.{name}" for name in parts if (folder / f"{name}.py").is_file()]

@@ -13,8 +13,6 @@ from contextlib import contextmanager
 from typing import Any
 
 from llvmlite import ir
-from numba.core import cgutils, types
-from numba.core.types.containers import BaseTuple
 
 from heavylift.numerics.jit import ROUNDING_FLAGS
 
@@ -51,6 +49,8 @@ class VectorCode:
 
     def pointer(self, array_type: Any, array: Any, offset: Any = 0) -> Any:
         """Address of the number at an offset of a contiguous array, or of an array of records."""
+        from numba.core import cgutils
+
         return self.at(
             cgutils.create_struct_proxy(array_type)(self.context, self.builder, array).data, offset
         )
@@ -89,8 +89,22 @@ class VectorCode:
 
     def memory(self, vectors: int) -> Any:
         """Address of room for vectors on the stack."""
+        from numba.core import cgutils
+
         place = cgutils.alloca_once(self.builder, self.vector, size=vectors)
         return self.builder.bitcast(place, DOUBLE.as_pointer())
+
+    def variable(self, value: Any) -> Any:
+        """Address of a value on the stack, which is there whenever this place is reached."""
+        from numba.core import cgutils
+
+        return cgutils.alloca_once_value(self.builder, value)
+
+    def repeat(self, count: Any) -> Any:
+        """Context of a loop over ``0 ... count - 1``; gives its `index`."""
+        from numba.core import cgutils
+
+        return cgutils.for_range(self.builder, count)
 
     # ------------------------------------------------------------------------------------------- lanes
 
@@ -193,10 +207,12 @@ class VectorCode:
     @contextmanager
     def loop(self, count: Any, sums: dict[Any, Any]) -> Iterator[tuple[Any, dict[Any, Any]]]:
         """Body of a loop over ``0 ... count - 1`` that changes `sums`, which live in registers."""
+        from numba.core import cgutils
+
         slots = {key: cgutils.alloca_once(self.builder, value.type) for key, value in sums.items()}
         for key, value in sums.items():
             self.builder.store(value, slots[key])
-        with cgutils.for_range(self.builder, count) as inner:
+        with self.repeat(count) as inner:
             present = {key: self.builder.load(slot, typ=sums[key].type) for key, slot in slots.items()}
             yield inner.index, present
             for key, value in present.items():
@@ -212,7 +228,7 @@ def vector_code(
     *,
     lanes: int,
     used: int | None = None,
-    returns: Any = types.void,
+    returns: int = 0,
 ) -> tuple[Any, Callable[..., Any]]:
     """Signature and generator of an intrinsic.
 
@@ -229,9 +245,13 @@ def vector_code(
     lanes, used
         Of the `VectorCode`.
     returns
-        Type that the intrinsic returns.
+        How many numbers it returns, as a tuple.
     """
-    signature = returns(*arguments)
+    from numba.core import types
+    from numba.core.types.containers import BaseTuple, UniTuple
+
+    result = UniTuple(types.float64, returns) if returns else types.void
+    signature = result(*arguments)
 
     def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
         code = VectorCode(context, builder, lanes, used)
@@ -259,7 +279,7 @@ def vector_code(
             given.append(addresses if offsets > 1 else addresses[0] if offsets else code.pointer(kind, value))
             at += offsets
         results = write(code, *given)
-        if returns is types.void:
+        if not returns:
             return context.get_dummy_value()
         return context.make_tuple(builder, signature.return_type, results)
 

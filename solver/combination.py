@@ -10,10 +10,9 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numba.extending import intrinsic
 from numpy.typing import NDArray
 
-from heavylift.numerics.jit import kernel
+from heavylift.numerics.jit import intrinsic, kernel
 from heavylift.numerics.vector_code import VectorCode, vector_code
 
 __all__ = ["PART", "combine", "combine_part", "copy_parts", "padded"]

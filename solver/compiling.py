@@ -18,13 +18,12 @@ import threading
 import time
 from collections.abc import Callable, Iterable, Sequence
 
-import numba
-
 import heavylift.contours
 import heavylift.modal
 import heavylift.numerics
 import heavylift.solver
 from heavylift.numerics.children import NEUTRAL_FOLDER, module_folders, python_command
+from heavylift.numerics.jit import runs_in_python
 from heavylift.numerics.objects import (
     ENTRIES,
     CompileError,
@@ -64,7 +63,7 @@ def all_units() -> dict[str, list[Unit]]:
 
 def missing_units(units: Sequence[Unit]) -> list[Unit]:
     """Those of some units that have no whole object file; none where kernels run as plain Python."""
-    if numba.config.DISABLE_JIT:
+    if runs_in_python():
         return []
     return [unit for unit in units if not is_compiled(unit)]
 

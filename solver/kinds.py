@@ -21,36 +21,18 @@ from typing import Any, ClassVar, Self, TypeVar, cast, overload
 
 import llvmlite.binding as llvm
 import numpy as np
-from llvmlite import ir
-from numba.core import cgutils, types
-from numba.core.dispatcher import Dispatcher
-from numba.core.imputils import lower_builtin, lower_cast
-from numba.core.typeconv import Conversion
-from numba.core.types.containers import BaseTuple
-from numba.core.types.misc import VarArg
-from numba.core.typing.templates import AbstractTemplate, Signature, infer_global
-from numba.core.typing.templates import signature as call_signature
-from numba.extending import register_model, typeof_impl, unbox
 
 from heavylift.numerics.arrays import (
-    WORD,
+    NOTHING,
     Arrays,
     Pointer,
     Reference,
-    _PointerModel,
-    constant_word,
     declared_types,
+    kernel_type,
     layout,
-    numba_type,
-    unbox_address,
 )
-from heavylift.numerics.objects import (
-    TROUBLES,
-    Unit,
-    load_unit,
-    native_function,
-    to_words,
-)
+from heavylift.numerics.jit import Kernel, in_python, when_compiling
+from heavylift.numerics.objects import TROUBLES, Unit, load_unit, native_function
 from heavylift.numerics.objects import signature as declared_signature
 
 __all__ = [
@@ -66,6 +48,8 @@ __all__ = [
     "optional",
     "tables_in",
 ]
+
+when_compiling("heavylift.solver.kinds_code")
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -109,7 +93,7 @@ class Table(Sequence[Any]):
         self._known = -1
 
     @classmethod
-    def numba_type(cls) -> TableType:
+    def kernel_type(cls) -> TableType:
         """Type in kernels."""
         return TableType(cls)
 
@@ -213,16 +197,11 @@ def _refusal(name: str) -> int:
 
 
 class TableType(Pointer):
-    """Numba type of a table."""
+    """A table."""
 
     def __init__(self, table: type[Table]) -> None:
         self.table = table
-        super().__init__(name=f"{table.__module__}.{table.__qualname__}")
-
-    def can_convert_from(self, typingctx: Any, other: Any) -> Any:
-        """An empty tuple is an empty table."""
-        del typingctx
-        return Conversion.safe if isinstance(other, BaseTuple) and len(other) == 0 else None
+        super().__init__(f"{table.__module__}.{table.__qualname__}", table)
 
     def accept(self, value: Any, where: str) -> Any:
         """A table of the class; kinds of a tuple become one."""
@@ -233,25 +212,10 @@ class TableType(Pointer):
         return value
 
 
-register_model(TableType)(_PointerModel)
-unbox(TableType)(unbox_address)
-
-
+NO_KINDS = "heavylift.nothing"
+"""Symbol of an empty table."""
 _NOTHING = np.zeros(1024, dtype=np.int64)
-llvm.add_symbol("heavylift.nothing", _NOTHING.ctypes.data)
-
-
-@lower_cast(BaseTuple, TableType)
-def _empty_table(context: Any, builder: Any, from_type: Any, to_type: Any, value: Any) -> Any:
-    del context, from_type, to_type, value
-    name = "heavylift.nothing"
-    return builder.module.globals.get(name) or ir.GlobalVariable(builder.module, WORD, name)
-
-
-@typeof_impl.register(Table)
-def _type_of_table(value: Table, context: Any) -> TableType:
-    del context
-    return TableType(type(value))
+llvm.add_symbol(NO_KINDS, _NOTHING.ctypes.data)
 
 
 class KindOperation:
@@ -270,7 +234,6 @@ class KindOperation:
             table.operations.append(self)
         self.symbol = f"heavylift.slot.{contract.__module__.removeprefix('heavylift.')}.{self.name}"
         llvm.add_symbol(self.symbol, self._slot.ctypes.data)
-        _declare(self)
 
     def _table(self) -> type[Table] | None:
         """Class of tables of the first parameter; None for operations that serve single kinds only."""
@@ -284,7 +247,7 @@ class KindOperation:
 
     @property
     def parameters(self) -> tuple[Any, ...]:
-        """Numba types of all parameters but the first.
+        """Types of all parameters but the first.
 
         Raises
         ------
@@ -311,7 +274,7 @@ class KindOperation:
 
     def serves(self, kind: type) -> bool:
         """Whether a kind has a version for kernels."""
-        return isinstance(self.chosen(kind), Dispatcher)
+        return isinstance(self.chosen(kind), Kernel)
 
     def address(self, kind: type) -> int:
         """Address of the compiled version of a kind."""
@@ -321,11 +284,11 @@ class KindOperation:
         """Serve the kinds of a table or a tuple, or a single kind, from Python."""
         for kind in (kinds,) if isinstance(kinds, Arrays) else kinds:
             function = self.chosen(type(kind))
-            if isinstance(function, Dispatcher):
+            if isinstance(function, Kernel):
                 native = self._native.get(type(kind))
                 if native is None:
                     types_of = (Reference(type(kind)), *self.parameters)
-                    native = native_function(self.address(type(kind)), types_of, types.none)
+                    native = native_function(self.address(type(kind)), types_of, NOTHING)
                     self._native[type(kind)] = native
                 native(kind, *arguments)
             elif function is not None:
@@ -344,7 +307,6 @@ class Members:
         table.operations.append(self)
         self.symbol = f"heavylift.members.{table.__name__}.{base.__name__}"
         llvm.add_symbol(self.symbol, self._slot.ctypes.data)
-        _declare_members(self)
 
     def serves(self, kind: type) -> bool:
         """Whether a kind is one of them."""
@@ -362,7 +324,7 @@ def _parameters(operation: KindOperation) -> tuple[Any, ...]:
     made = []
     for name in list(inspect.signature(operation.contract).parameters)[1:]:
         try:
-            made.append(numba_type(hints[name]))
+            made.append(kernel_type(hints[name]))
         except (KeyError, TypeError) as error:
             raise TypeError(f"{operation.contract.__module__}.{operation.name}, {name}: {error}") from None
     return tuple(made)
@@ -414,7 +376,7 @@ def implement(operation: KindOperation, kind: type) -> Callable[[Callable[..., A
             raise TypeError(
                 f"{operation.name} of {kind.__name__} is there already: {operation.implementations[kind].__name__}"
             )
-        own = inspect.signature(getattr(function, "py_func", function)).parameters
+        own = inspect.signature(in_python(function)).parameters
         if len(own) != len(inspect.signature(operation.contract).parameters):
             raise TypeError(f"{function.__name__} takes {len(own)} arguments, {operation.name} has others")
         operation.implementations[kind] = function
@@ -436,12 +398,12 @@ class Method:
         update_wrapper(self, function)
         self.kernel, self.group, self.name = function, group, function.__name__
         self._native: dict[type, Callable[..., Any]] = {}
-        (of, *_), _ = declared_signature(getattr(function, "py_func", function))
+        (of, *_), _ = declared_signature(in_python(function))
         _METHODS_OF.setdefault(of.group, []).append(self)
 
     def __call__(self, kind: Any, *arguments: Any) -> Any:
         """Serve one kind from Python."""
-        if not isinstance(self.kernel, Dispatcher):
+        if not isinstance(self.kernel, Kernel):
             return self.kernel(kind, *arguments)
         if type(kind) not in self._native:
             unit, symbol = kind_units(type(kind))[self.group], _symbol(type(kind), self)
@@ -519,16 +481,16 @@ def _kind_units(kind: Any) -> dict[str, Unit]:
     for base in reversed(kind.__mro__):
         for operation in _OPERATIONS_OF.get(base, ()):
             function = operation.chosen(kind)
-            if not isinstance(function, Dispatcher):
+            if not isinstance(function, Kernel):
                 continue
             if not operation.table is not None:
                 direct.add(function.py_func.__module__)
                 continue
             types_of = (Reference(kind), *operation.parameters)
-            entries.setdefault(operation.group, {})[_symbol(kind, operation)] = function, types_of, types.none
+            entries.setdefault(operation.group, {})[_symbol(kind, operation)] = function, types_of, NOTHING
             modules.setdefault(operation.group, set()).add(function.py_func.__module__)
         for called in _METHODS_OF.get(base, ()):
-            if isinstance(called.kernel, Dispatcher):
+            if isinstance(called.kernel, Kernel):
                 (_, *parameters), result = declared_signature(called.kernel.py_func)
                 entry = called.kernel, (Reference(kind), *parameters), result
                 entries.setdefault(called.group, {})[_symbol(kind, called)] = entry
@@ -546,121 +508,3 @@ def _kind_units(kind: Any) -> dict[str, Unit]:
 
 kind_units: Callable[[Any], dict[str, Unit]] = cache(_kind_units)
 """What is compiled of a kind, by group of operations."""
-
-
-# ---- in kernels ----
-
-
-def _declare(operation: KindOperation) -> None:
-    """Let kernels call an operation: of a table by its lists, of a single kind directly."""
-
-    class Template(AbstractTemplate):
-        key = operation
-
-        def generic(self, arguments: Any, named: Any) -> Signature | None:
-            if named or not arguments:
-                return None
-            first = arguments[0]
-            if isinstance(first, TableType):
-                if (
-                    first.table is not operation.table
-                ):  # another class of tables has another function in its place
-                    return None
-                return call_signature(types.none, first, *operation.parameters)
-            kinds = first.types if isinstance(first, BaseTuple) else (first,)
-            if all(isinstance(kind, Reference) for kind in kinds):
-                for kind in kinds:
-                    function = operation.chosen(kind.group)
-                    if function is not None:
-                        of_type = self.context.resolve_value_type(function)
-                        of_type.get_call_type(self.context, (kind, *arguments[1:]), {})
-                return call_signature(types.none, *arguments)
-            return None
-
-    infer_global(operation, types.Function(Template))
-    lower_builtin(operation, TableType, VarArg(types.Any))(_lower_table_call(operation))
-    lower_builtin(operation, Reference, VarArg(types.Any))(_lower_kind_call(operation))
-    lower_builtin(operation, BaseTuple, VarArg(types.Any))(_lower_kind_call(operation))
-
-
-def _declare_members(members: Members) -> None:
-    class Template(AbstractTemplate):
-        key = members
-
-        def generic(self, arguments: Any, named: Any) -> Signature | None:
-            if named or not isinstance(arguments[0], TableType) or arguments[0].table is not members.table:
-                return None
-            if len(arguments) == 1:
-                return call_signature(types.int64, *arguments)
-            return call_signature(Reference(members.base), arguments[0], types.int64)
-
-    def count(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-        first, last = _ends_of_list(builder, members.symbol, values[0])
-        return builder.sdiv(builder.sub(last, first), ir.Constant(WORD, 2 * WORD_BYTES))
-
-    def choose(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-        first, _ = _ends_of_list(builder, members.symbol, values[0])
-        pairs = builder.inttoptr(first, WORD.as_pointer())
-        at = builder.gep(pairs, [builder.mul(values[1], ir.Constant(WORD, 2))], source_etype=WORD)
-        return builder.inttoptr(constant_word(builder, at, 1), WORD.as_pointer())
-
-    infer_global(members, types.Function(Template))
-    lower_builtin(members, TableType)(count)
-    lower_builtin(members, TableType, types.Integer)(choose)
-
-
-def _ends_of_list(builder: Any, symbol: str, table: Any) -> tuple[Any, Any]:
-    """Addresses of the first pair of a list, and behind its last."""
-    module = builder.module
-    slot = module.globals.get(symbol) or ir.GlobalVariable(module, WORD, symbol)
-    at = builder.gep(table, [constant_word(builder, slot, 0)], source_etype=WORD)
-    return constant_word(builder, at, 0), constant_word(builder, at, 1)
-
-
-def _lower_table_call(operation: KindOperation) -> Callable[..., Any]:
-    def lower(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-        first, last = _ends_of_list(builder, operation.symbol, values[0])
-        words = [
-            word
-            for of_type, value in zip(signature.args[1:], values[1:], strict=True)
-            for word in to_words(context, builder, of_type, value)
-        ]
-        pointer = WORD.as_pointer()
-        function_type = ir.FunctionType(ir.VoidType(), [pointer, *(word.type for word in words)])
-        before = builder.block
-        loop, after = builder.append_basic_block("serve"), builder.append_basic_block("served")
-        builder.cbranch(builder.icmp_unsigned("!=", first, last), loop, after)
-        builder.position_at_end(loop)
-        entry = builder.phi(WORD)
-        entry.add_incoming(first, before)
-        pair = builder.inttoptr(entry, pointer)
-        function = builder.inttoptr(constant_word(builder, pair, 0), function_type.as_pointer())
-        kind = builder.inttoptr(constant_word(builder, pair, 1), pointer)
-        builder.call(function, [kind, *words])
-        following = builder.add(entry, ir.Constant(WORD, 2 * WORD_BYTES))
-        entry.add_incoming(following, builder.block)
-        builder.cbranch(builder.icmp_unsigned("!=", following, last), loop, after)
-        builder.position_at_end(after)
-        return context.get_dummy_value()
-
-    return lower
-
-
-def _lower_kind_call(operation: KindOperation) -> Callable[..., Any]:
-    def lower(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-        first = signature.args[0]
-        if isinstance(first, BaseTuple):
-            kinds = list(zip(first.types, cgutils.unpack_tuple(builder, values[0]), strict=True))
-        else:
-            kinds = [(first, values[0])]
-        for kind, value in kinds:
-            function = operation.chosen(kind.group)
-            if function is not None:
-                of_type = context.typing_context.resolve_value_type(function)
-                of_call = of_type.get_call_type(context.typing_context, (kind, *signature.args[1:]), {})
-                called = context.get_function(of_type, of_call)
-                context.add_linking_libs(called.libs)
-                called(builder, (value, *values[1:]))
-        return context.get_dummy_value()
-
-    return lower

@@ -576,7 +576,7 @@ class Simulation:
                 return np.empty(0), records[:0]
         heard = 0 if self.operation is None else self.operation.heard
         if heard != self._heard or self._return.is_due(self.cpu_seconds):
-            self._return.take([array for array, _ in self._in_use.values()], first, self.cpu_seconds)
+            self._return.take(self._arrays_in_use, first, self.cpu_seconds)
             self._heard = heard
         begin = clock.thread_time()
         done = self._call(first, last, every, records, self.stop_asked)
@@ -601,7 +601,8 @@ class Simulation:
             self._lone.add(records[:count])
         begin_row = first // every + 1
         times = np.arange(begin_row, begin_row + count, dtype=np.float64)
-        times *= every
+        if every > 1:
+            times *= every
         times *= self.step
         return times, records[:count]
 
@@ -624,6 +625,10 @@ class Simulation:
         layout = self._layout
         if self._calls[0] is not layout:
             scene = layout.bodies, layout.forces, layout.joints, layout.systems, layout.work
+            if self.integrator == "accurate":
+                from heavylift.solver.integrate.trees.forest import stepped
+
+                scene = stepped(layout)
             self._calls = layout, self._run.with_first(*scene), write_record.with_first(*scene)
         return self._calls[1:]
 
@@ -778,7 +783,7 @@ class Simulation:
         self.ended = ended and self.step_index % self.record_every == 0  # it continues to its next record
         self._started = True
         self._begin_again()
-        self._return.take([array for array, _ in self._in_use.values()], self.step_index, self.cpu_seconds)
+        self._return.take(self._arrays_in_use, self.step_index, self.cpu_seconds)
 
     def _begin_again(self) -> None:
         """Forget what belongs to a state that is there no more."""
@@ -831,6 +836,13 @@ class Simulation:
 
             found |= words_in_use(self._layout.systems[1], self._carried)
         return found
+
+    @property
+    def _arrays_in_use(self) -> list[NDArray[Any]]:
+        """The arrays of these alone."""
+        if not self._touches:
+            return list(self._carried.values())
+        return [array for array, _ in self._in_use.values()]
 
     def _arrays(self) -> Iterator[tuple[str, NDArray[Any]]]:
         """Arrays that the step writes, by kind and field."""

@@ -18,8 +18,8 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from heavylift.pipeline.case.bodies import FlexibleBodySection
     from heavylift.pipeline.case.case_file import Case
+    from heavylift.pipeline.case.flexible_bodies import FlexibleBodySection
     from heavylift.pipeline.case.geometry import (
         FourFilesGeometry,
         Group,

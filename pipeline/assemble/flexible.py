@@ -21,8 +21,8 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from heavylift.modal.reduced import ReducedBody
-    from heavylift.pipeline.case.bodies import FlexibleBodySection, InitialSection
     from heavylift.pipeline.case.case_file import Case
+    from heavylift.pipeline.case.flexible_bodies import FlexibleBodySection, InitialSection
     from heavylift.pipeline.results.storage import OutputFolder
 
 __all__ = [

@@ -17,8 +17,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from heavylift.modal.interfaces import Fit
-    from heavylift.pipeline.case.bodies import FlexibleBodySection
     from heavylift.pipeline.case.case_file import Case
+    from heavylift.pipeline.case.flexible_bodies import FlexibleBodySection
     from heavylift.pipeline.case.interfaces import InterfaceSection
     from heavylift.preprocess.finite_elements.model import FEModel
 

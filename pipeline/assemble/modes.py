@@ -25,8 +25,8 @@ if TYPE_CHECKING:
     from heavylift.modal.interfaces import Fit
     from heavylift.modal.reduced import ReducedBody
     from heavylift.modal.statics import StaticState
-    from heavylift.pipeline.case.bodies import FlexibleBodySection
     from heavylift.pipeline.case.case_file import Case
+    from heavylift.pipeline.case.flexible_bodies import FlexibleBodySection
     from heavylift.pipeline.case.modes import ContactPatchSection, ModesSection
     from heavylift.pipeline.case.statics import BodySupportSection, StaticLoadSection
     from heavylift.pipeline.results.storage import OutputFolder

@@ -9,8 +9,8 @@ import numpy as np
 from heavylift.numerics.outcome import InputError
 
 if TYPE_CHECKING:
-    from heavylift.pipeline.case.bodies import FlexibleBodySection
     from heavylift.pipeline.case.case_file import Case
+    from heavylift.pipeline.case.flexible_bodies import FlexibleBodySection
     from heavylift.pipeline.case.geometry import MaterialSection
     from heavylift.pipeline.case.panels import OpeningSection, PanelsGeometry
     from heavylift.preprocess.finite_elements.material import Material

@@ -9,25 +9,22 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from fnmatch import fnmatchcase
 from functools import cached_property, partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import Field, PrivateAttr, ValidationError
 from pydantic_core import PydanticCustomError
 
 from heavylift.numerics.outcome import InputError, InputErrors
-from heavylift.pipeline.case.ballast import BallastSection, check_plan
 from heavylift.pipeline.case.channel_kinds import Declared
-from heavylift.pipeline.case.checks import CheckSection, ConvergeSection, QuantityReference
 from heavylift.pipeline.case.collisions import collision_pairs
 from heavylift.pipeline.case.criteria_table import Criteria
+from heavylift.pipeline.case.described import Later
 from heavylift.pipeline.case.equipment import Equipped, equip
 from heavylift.pipeline.case.errors import group_errors, input_errors
 from heavylift.pipeline.case.fields import CaseContext, Section, reject
 from heavylift.pipeline.case.interface_names import put_interface_points
-from heavylift.pipeline.case.interfaces import holding_joints
-from heavylift.pipeline.case.meshes import Body, FrameBodySection, ShellBodySection
+from heavylift.pipeline.case.lugs import with_lug_interfaces
 from heavylift.pipeline.case.overrides import apply_overrides
-from heavylift.pipeline.case.panels import with_lug_interfaces
 from heavylift.pipeline.case.quantity_names import (
     ACROSS,
     QuantityName,
@@ -37,8 +34,6 @@ from heavylift.pipeline.case.quantity_names import (
 from heavylift.pipeline.case.reference import ReferenceSection, read_reference
 from heavylift.pipeline.case.repeat import Expansion, Parameters, RepeatSection, expand
 from heavylift.pipeline.case.report import ReportSection
-from heavylift.pipeline.case.scenario import Known, key_as_given, scenario_of
-from heavylift.pipeline.case.sea import check_sea
 from heavylift.pipeline.case.simulate import SimulateSection, multiple
 from heavylift.pipeline.case.tables import TABLES, SceneTables, declared
 from heavylift.pipeline.equipment.builders import BUILDERS
@@ -46,10 +41,15 @@ from heavylift.solver.scene.actions import Hook
 from heavylift.solver.scene.operation_state import Movable, drives_of, helpers_of, releases_of
 from heavylift.solver.scene.scenario import Scenario, check_scenario
 
+if TYPE_CHECKING:
+    from heavylift.pipeline.case.checks import CheckSection
+    from heavylift.pipeline.case.meshes import FrameBodySection, ShellBodySection
+    from heavylift.pipeline.case.scenario import Known
+
 __all__ = ["CASE_FILE", "Case", "load_case"]
 
 CASE_FILE = "case.toml"
-
+_HERE = "heavylift.pipeline.case"
 
 ASKING = {"check", "converge", "criteria", "reference", "report", "scenario"}
 """Tables that name channels to judge or show them, or to wait for them."""
@@ -76,15 +76,15 @@ class Case(SceneTables, _CaseHeading):
 
     reference: tuple[ReferenceSection, ...] = ()
     """Recorded histories to compare with."""
-    ballast: BallastSection | None = None
+    ballast: Annotated[Any, Later(f"{_HERE}.ballast", "BallastSection")] | None = None
     """Stages for which tanks are to be filled."""
     simulate: SimulateSection | None = None
     """Time integration; a case without it ends with its modes."""
     report: ReportSection = Field(default_factory=ReportSection)
     """Pictures and plots."""
-    converge: ConvergeSection | None = None
+    converge: Annotated[Any, Later(f"{_HERE}.checks", "ConvergeSection")] | None = None
     """Convergence study."""
-    check: tuple[CheckSection, ...] = ()
+    check: tuple[Annotated[Any, Later(f"{_HERE}.checks", "CheckSection")], ...] = ()
     """Reference values."""
     criteria: Criteria = ()
     """Criteria that the operation is judged by: cranes, slings, clearances."""
@@ -118,8 +118,10 @@ class Case(SceneTables, _CaseHeading):
                     told["problem"], source=self.file, key=told["key"] or "case", expected=told["expected"]
                 )
 
-    def _check_can_be_computed(self, index: int, check: CheckSection) -> None:
+    def _check_can_be_computed(self, index: int, check: "CheckSection") -> None:
         """Modes and coordinates that a check names must exist, and a simulation if it needs one."""
+        from heavylift.pipeline.case.checks import QuantityReference
+
         texts = {f"check.{index}.quantity": check.quantity}
         if isinstance(check.reference, QuantityReference):
             texts[f"check.{index}.reference.quantity"] = check.reference.quantity
@@ -172,6 +174,8 @@ class Case(SceneTables, _CaseHeading):
 
     def _fits_the_sea(self) -> None:
         """What floats, blows and holds fits together."""
+        from heavylift.pipeline.case.sea_tables import check_sea
+
         check_sea(
             self.sea,
             gravity=self.gravity,
@@ -253,6 +257,8 @@ class Case(SceneTables, _CaseHeading):
         """Phases end, and act on ropes that are there; only the default integrator meets their events."""
         if self.scenario is None:
             return
+        from heavylift.pipeline.case.scenario import key_as_given, scenario_of
+
         if self.simulate is None:
             reject("needs a [simulate] section", "a simulation that it can run", key="scenario")
         if self.simulate.integrator not in {"dele2", "auto"}:
@@ -283,6 +289,8 @@ class Case(SceneTables, _CaseHeading):
     def _plans_ballast(self) -> None:
         """Stages, tanks and hull of a ballast plan fit together."""
         if self.ballast is not None:
+            from heavylift.pipeline.case.ballast import check_plan
+
             check_plan(self.ballast, self.tanks)
 
     @property
@@ -293,7 +301,11 @@ class Case(SceneTables, _CaseHeading):
     @property
     def operation(self) -> Scenario | None:
         """The scenario for the solver."""
-        return None if self.scenario is None else scenario_of(self.scenario, self._known)
+        if self.scenario is None:
+            return None
+        from heavylift.pipeline.case.scenario import scenario_of
+
+        return scenario_of(self.scenario, self._known)
 
     @property
     def _movable(self) -> dict[str, Any]:
@@ -310,8 +322,10 @@ class Case(SceneTables, _CaseHeading):
         }
 
     @property
-    def _known(self) -> Known:
+    def _known(self) -> "Known":
         """What a scenario can name."""
+        from heavylift.pipeline.case.scenario import Known
+
         movable = self._movable
         ropes = movable["ropes"]
         wire = [name for name, rope in ropes.items() if rope.DESCRIBED.WORD == "wire"]
@@ -369,6 +383,8 @@ class Case(SceneTables, _CaseHeading):
         if quantity.stage == "simulate" and self.simulate is None:
             return "a [simulate] section"
         if quantity.family in {"mesh", "modes", "ringdown", "static"}:
+            from heavylift.pipeline.case.interfaces import holding_joints
+
             body = self.bodies.get(quantity.owner)
             if body is None:
                 return f"a flexible body, and {quantity.owner!r} is no body"
@@ -405,7 +421,7 @@ class Case(SceneTables, _CaseHeading):
         return self._expansion.locate(self._equipped.locate(key)[0])[0]
 
     @property
-    def meshes(self) -> dict[str, FrameBodySection | ShellBodySection]:
+    def meshes(self) -> "dict[str, FrameBodySection | ShellBodySection]":
         """Frames and shells by name."""
         return {name: body for name, body in self.bodies.items() if body.BODY.SHAPE}
 
@@ -468,7 +484,7 @@ class Case(SceneTables, _CaseHeading):
         return out if self._file.name == CASE_FILE else out / self._file.stem
 
 
-def _yields(body: Body) -> bool:
+def _yields(body: Any) -> bool:
     """Whether a body gives way to a force."""
     return bool(body.is_free or body.BODY.DEFORMS)
 

@@ -2,10 +2,11 @@
 
 # Annotations are evaluated by pydantic, so the imports below are needed at run time.
 
+import importlib
 from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import MISSING
 from fnmatch import fnmatchcase
-from functools import cache, reduce
+from functools import cache, cached_property, reduce
 from operator import or_
 from types import GenericAlias, UnionType
 from typing import Annotated, Any, ClassVar, Literal, Optional, Union, cast, get_args, get_origin
@@ -76,7 +77,7 @@ from heavylift.solver.scene.descriptions import (
     recorded_channels,
 )
 
-__all__ = ["BetweenSection", "Chosen", "checked", "make_section", "section_of"]
+__all__ = ["BetweenSection", "Chosen", "Later", "checked", "make_section", "section_of"]
 
 Parts = Mapping[Any, Callable[[Quantity], Any]]
 
@@ -507,11 +508,50 @@ class Chosen:
         self, _schema: CoreSchema, handler: GetJsonSchemaHandler
     ) -> JsonSchemaValue:
         made: Any = reduce(or_, self.sections)
-        if self.word:  # a section that is used once has no definition of its own
-            twice: TypeAdapter[Any] = TypeAdapter(cast("Any", tuple[made, made]))
-            found: JsonSchemaValue = handler(twice.core_schema)["prefixItems"][0]
-            return found
+        if self.word:
+            return _defined(made, handler)
         chosen: TypeAdapter[Any] = TypeAdapter(
             cast("Any", Annotated[made, Field(discriminator=self.family.key)])
         )
         return handler(chosen.core_schema)
+
+
+class Later:
+    """Annotation of a table whose section is imported when a case has such a table.
+
+    Parameters
+    ----------
+    module, name
+        Where the section is, or the union of some that it may be.
+    """
+
+    def __init__(self, module: str, name: str) -> None:
+        self.module, self.name = module, name
+
+    @cached_property
+    def sections(self) -> Any:
+        """The section, or the union."""
+        return getattr(importlib.import_module(self.module), self.name)
+
+    @cached_property
+    def _adapter(self) -> TypeAdapter[Any]:
+        return TypeAdapter(self.sections)
+
+    def validate(self, value: Any, info: ValidationInfo) -> Any:
+        """The section of a table."""
+        return self._adapter.validate_python(value, context=info.context)
+
+    def __get_pydantic_core_schema__(self, _source: object, _handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.with_info_plain_validator_function(self.validate)
+
+    def __get_pydantic_json_schema__(
+        self, _schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> JsonSchemaValue:
+        return _defined(self.sections, handler)
+
+
+def _defined(sections: Any, handler: GetJsonSchemaHandler) -> JsonSchemaValue:
+    """Schema of a section by its definition, which one that is used once would not have."""
+    twice: TypeAdapter[Any] = TypeAdapter(cast("Any", tuple[sections, sections]))
+    found: JsonSchemaValue = handler(twice.core_schema)["prefixItems"][0]
+    return found

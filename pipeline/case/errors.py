@@ -9,7 +9,7 @@ from pydantic import BaseModel
 
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.words import nearest
-from heavylift.pipeline.case.described import Chosen
+from heavylift.pipeline.case.described import Chosen, Later
 from heavylift.pipeline.case.fields import TAG
 
 if TYPE_CHECKING:
@@ -232,6 +232,8 @@ def sections_in(annotation: Any) -> Iterable[type[BaseModel]]:
     """All section types inside a type annotation."""
     if isinstance(annotation, Chosen):
         yield from annotation.sections
+    if isinstance(annotation, Later):
+        yield from sections_in(annotation.sections)
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):
         yield annotation
     for argument in get_args(annotation):

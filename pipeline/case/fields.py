@@ -13,6 +13,7 @@ from pydantic import (
     AfterValidator,
     BaseModel,
     ConfigDict,
+    Field,
     GetCoreSchemaHandler,
     GetJsonSchemaHandler,
     StringConstraints,
@@ -46,12 +47,14 @@ __all__ = [
     "Direction",
     "ForceVector",
     "GroupName",
+    "HullName",
     "InFolder",
     "KnownHull",
     "LengthVector",
     "MomentVector",
     "Name",
     "NoDefault",
+    "NodeNumber",
     "NumberVector",
     "Positive",
     "Quantity",
@@ -208,6 +211,8 @@ MomentVector = tuple[_Moment, _Moment, _Moment]
 
 Name = Annotated[str, StringConstraints(pattern=r"^[A-Za-z][A-Za-z0-9_-]*$", max_length=60)]
 """Name of a body, group, joint, rope, force or sensor; without dots, because channel names are dotted paths."""
+NodeNumber = Annotated[int, Field(ge=0, strict=True)]
+"""Number of a node of a frame or shell."""
 GroupName = Annotated[str, StringConstraints(min_length=1, max_length=200)]
 """Name of a group of nodes, of the case or as its file has it: ``"SET1 4"``, ``"PSHELL 3"``."""
 
@@ -267,6 +272,22 @@ def _known_hull(name: str, info: ValidationInfo) -> str:
     context = CaseContext.of(info)
     if context:
         refuse_unknown("hull", name, context.names.hulls)
+    return name
+
+
+def _floats(name: str, info: ValidationInfo) -> str:
+    """Only free rigid bodies float."""
+    context = CaseContext.of(info)
+    if context is None:
+        return name
+    refuse_unknown("body", name, context.names.bodies)
+    kind = context.names.body_types.get(name, "")
+    if kind != "rigid":
+        reject(f"{name!r} is a {kind} body", "the name of a rigid body")
+    if name not in context.names.yielding:
+        reject(
+            f"the frame of {name!r} is not free", "frame motion 'free'; a fixed joint to the ground holds it"
+        )
     return name
 
 
@@ -377,6 +398,8 @@ SideName = Annotated[str, AfterValidator(_known_side)]
 """Name of a body that the case has, or of the world."""
 KnownHull = Annotated[str, AfterValidator(_known_hull)]
 """Name of a hull that the case has."""
+HullName = Annotated[str, AfterValidator(_floats)]
+"""Name of a rigid body that floats."""
 ReferenceName = Annotated[Name, AfterValidator(_unique_reference)]
 """Name of a reference history that no other one has."""
 Direction = Annotated[NumberVector, AfterValidator(_nonzero)]

@@ -13,21 +13,18 @@ from pathlib import PurePath
 from typing import Annotated, Literal, Self
 
 from numpy import linspace
-from pydantic import AfterValidator, Field, ValidationInfo, model_validator
+from pydantic import Field, model_validator
 
 from heavylift.numerics.foreign_files import converter_words
 from heavylift.numerics.outcome import InputError
 from heavylift.pipeline.case.described import make_section, section_of
 from heavylift.pipeline.case.fields import (
-    CaseContext,
     InFolder,
     KnownHull,
     LengthVector,
-    Name,
     Positive,
     Quantity,
     Section,
-    refuse_unknown,
     reject,
 )
 from heavylift.preprocess.hydrodynamics.repairs import (
@@ -46,7 +43,6 @@ __all__ = [
     "ComputeSection",
     "DatabaseSection",
     "FrequenciesSection",
-    "HullName",
     "hull_section",
 ]
 
@@ -69,26 +65,6 @@ _READER_KEYS = {
     "reference_points": ("wamit", "bemio", "netcdf"),
 }
 """Keys of databases in files, and the formats that need them."""
-
-
-def _floats(name: str, info: ValidationInfo) -> str:
-    """Only free rigid bodies float."""
-    context = CaseContext.of(info)
-    if context is None:
-        return name
-    refuse_unknown("body", name, context.names.bodies)
-    kind = context.names.body_types.get(name, "")
-    if kind != "rigid":
-        reject(f"{name!r} is a {kind} body", "the name of a rigid body")
-    if name not in context.names.yielding:
-        reject(
-            f"the frame of {name!r} is not free", "frame motion 'free'; a fixed joint to the ground holds it"
-        )
-    return name
-
-
-HullName = Annotated[str, AfterValidator(_floats)]
-"""Name of a rigid body that floats."""
 
 
 class HangingSection(Section):
@@ -307,7 +283,3 @@ class DatabaseSection(Section):
         if len(self.frequencies) < FEWEST:
             key = "leave_out" if self.leave_out else "frequency_range"
             reject(f"{len(self.frequencies)} frequencies are left", f"{FEWEST} or more", key=key)
-
-
-DatabaseName = Name
-"""Databases have no channels: their names are their own."""

@@ -3,7 +3,7 @@
 # Annotations are evaluated by pydantic, so the imports below are needed at run time.
 
 from functools import cache
-from typing import Annotated, Any, Self
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import Discriminator, Field, Tag, ValidationInfo, field_validator, model_validator
 
@@ -14,6 +14,7 @@ from heavylift.pipeline.case.fields import (
     CaseContext,
     Direction,
     LengthVector,
+    NodeNumber,
     Positive,
     Quantity,
     Section,
@@ -21,7 +22,6 @@ from heavylift.pipeline.case.fields import (
     UniqueName,
     reject,
 )
-from heavylift.pipeline.case.meshes import EdgeName, NodeNumber
 from heavylift.solver.scene import connections as c
 from heavylift.solver.scene.connections import Between, Place
 from heavylift.solver.scene.descriptions import is_parallel
@@ -35,6 +35,7 @@ __all__ = [
     "joint_section",
 ]
 
+EdgeName = Literal["x_min", "x_max", "y_min", "y_max"]
 Sides = tuple[SideName, SideName]
 Pair = tuple[BodyPlace, BodyPlace]
 Axes = tuple[Direction, Direction]

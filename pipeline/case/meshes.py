@@ -16,16 +16,14 @@ from pydantic import (
 
 from heavylift.pipeline.case.bodies import (
     BodySection,
-    FlexibleBodySection,
-    RigidBodySection,
     RigidInitialSection,
-    body_section,
 )
 from heavylift.pipeline.case.described import Chosen
 from heavylift.pipeline.case.fields import (
     Direction,
     LengthVector,
     Name,
+    NodeNumber,
     Positive,
     Quantity,
     Section,
@@ -34,17 +32,13 @@ from heavylift.pipeline.case.fields import (
     reject,
 )
 from heavylift.pipeline.case.geometry import BoxGroup
-from heavylift.solver.scene.bodies import BODIES
 from heavylift.solver.scene.mesh_loads import FRAME_LOADS, SHELL_LOADS
 from heavylift.solver.scene.mesh_shapes import FRAME_SHAPES, SHELL_SHAPES
 from heavylift.solver.scene.meshes import Elasticity, FrameBody, FrameModel, RodBody, ShellBody
 
 __all__ = [
-    "BODY_SECTIONS",
     "CORNERS",
     "EDGES",
-    "Body",
-    "EdgeName",
     "ElementNumber",
     "FrameBodySection",
     "FrameFixedSection",
@@ -55,7 +49,6 @@ __all__ = [
     "FrameSupportSection",
     "MeshBodySection",
     "MeshDampingSection",
-    "NodeNumber",
     "RegionSection",
     "RodBodySection",
     "RodFixedSection",
@@ -208,11 +201,9 @@ def check_regions(regions: tuple[RegionSection, ...], sections: dict[str, Any]) 
             refuse_unknown("section", region.section, sections, key=f"regions.{index}.section")
 
 
-NodeNumber = Annotated[int, Field(ge=0, strict=True)]
 Axes = Annotated[str, StringConstraints(pattern="^x?y?z?$", min_length=1)]
 
 End = Literal["start", "end"]
-EdgeName = Literal["x_min", "x_max", "y_min", "y_max"]
 Edge = Literal["x_min", "x_max", "y_min", "y_max", "all"]
 Corner = Literal["x_min y_min", "x_max y_min", "x_max y_max", "x_min y_max", "all"]
 EDGES = ("x_min", "x_max", "y_min", "y_max")
@@ -505,32 +496,3 @@ class ShellBodySection(MeshBodySection):
     def _fits(self) -> Self:
         check_regions(self.regions, self.sections)
         return self
-
-
-class _BodySections:
-    """Sections of bodies by their types: those of shapes and meshes, then all that are given in numbers alone."""
-
-    name, key, default = "body", "type", ""
-    _own: ClassVar[dict[str, type[BodySection]]] = {
-        "flexible": FlexibleBodySection,
-        "rigid": RigidBodySection,
-        "frame": FrameBodySection,
-        "rod": RodBodySection,
-        "shell": ShellBodySection,
-    }
-
-    @property
-    def words(self) -> tuple[str, ...]:
-        """All types."""
-        return (*self._own, *(word for word in BODIES.words if word not in self._own))
-
-    def get(self, word: str) -> type[BodySection] | None:
-        """Section of a type; None if there is none."""
-        if word in self._own:
-            return self._own[word]
-        described: Any = BODIES.get(word)
-        return None if described is None else body_section(described)
-
-
-BODY_SECTIONS = _BodySections()
-Body = Annotated[Any, Chosen(BODY_SECTIONS, lambda section: section)]

@@ -2,13 +2,10 @@
 
 # Annotations are evaluated by pydantic, so the imports below are needed at run time.
 
-import math
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import BeforeValidator, Field, model_validator
 
-from heavylift.numerics.outcome import InputError
-from heavylift.numerics.units import KINDS, parse_quantity
 from heavylift.pipeline.case.fields import (
     Direction,
     InFolder,
@@ -28,7 +25,6 @@ __all__ = [
     "PlateSection",
     "ProfileSection",
     "StiffenerSection",
-    "with_lug_interfaces",
 ]
 
 Length = Annotated[float, Positive("length")]
@@ -285,45 +281,3 @@ class PanelsGeometry(Section):
         if twice:
             reject(f"{twice[0]!r} is given twice", "one plate, stiffener, lug or group a name")
         return self
-
-
-def with_lug_interfaces(document: dict[str, Any]) -> dict[str, Any]:
-    """Document with an interface for each lug of panels: the edge of its pin hole, at the centre of the hole.
-
-    Parameters
-    ----------
-    document
-        As read from TOML, blocks written out; it is not changed. Interfaces that it has itself stay, and lugs that
-        cannot be read have none: what is wrong with them is said where they are read.
-    """
-    bodies = document.get("bodies")
-    if not isinstance(bodies, dict):
-        return document
-    found = {name: _with_interfaces(body) for name, body in bodies.items()}
-    return (
-        {**document, "bodies": found} if any(found[name] is not bodies[name] for name in bodies) else document
-    )
-
-
-def _with_interfaces(body: Any) -> Any:
-    geometry = body.get("geometry") if isinstance(body, dict) else None
-    lugs = geometry.get("lugs") if isinstance(geometry, dict) and geometry.get("type") == "panels" else None
-    own = body.get("interfaces", {}) if isinstance(lugs, dict) else None
-    if not isinstance(lugs, dict) or not isinstance(own, dict):
-        return body
-    made = {}
-    for name, lug in lugs.items():
-        try:
-            made[name] = {"at": _eye(lug), "group": name}
-        except (InputError, KeyError, TypeError, ValueError, ZeroDivisionError):
-            continue
-    return {**body, "interfaces": {**made, **own}} if made else body
-
-
-def _eye(lug: dict[str, Any]) -> list[float]:
-    """Centre of the pin hole of a lug [m]."""
-    foot = [parse_quantity(value, KINDS["length"]) for value in lug["foot"]]
-    normal = [parse_quantity(value, KINDS["number"]) for value in lug["normal"]]
-    height = parse_quantity(lug["height"], KINDS["length"])
-    length = math.hypot(*normal)
-    return [a + height * n / length for a, n in zip(foot, normal, strict=True)]

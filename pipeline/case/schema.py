@@ -22,6 +22,7 @@ from heavylift.numerics.quantity import quantity_schema
 from heavylift.numerics.units import KINDS
 from heavylift.pipeline.case.case_file import Case
 from heavylift.pipeline.case.channel_kinds import OF_THE_SCENE
+from heavylift.pipeline.case.described import Later
 from heavylift.pipeline.case.fields import NoDefault
 from heavylift.solver.scene.collisions import Collision
 from heavylift.solver.scene.descriptions import described_fields
@@ -71,6 +72,12 @@ def channel_schema(owner: str, channels: Sequence[ChannelKind]) -> list[dict[str
 
 class _Described(GenerateJsonSchema):
     """Describes keys by the docstrings of their fields, read from the sources here because only a schema needs them."""
+
+    def field_title_should_be_set(self, schema: Any) -> bool:
+        """Tables have no titles, also those whose sections are imported when they are needed."""
+        function = schema.get("function")
+        owner = getattr(function.get("function"), "__self__", None) if isinstance(function, dict) else None
+        return not isinstance(owner, Later) and super().field_title_should_be_set(schema)
 
     def model_schema(self, schema: core_schema.ModelSchema) -> JsonSchemaValue:
         """Schema of a table, with descriptions of its keys."""

@@ -21,20 +21,14 @@ from heavylift.numerics.classes import dataclass
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.quantity import BodyPoint, InWorld
 from heavylift.numerics.units import KINDS, parse_quantity
-from heavylift.pipeline.case.bodies import RigidBodySection
+from heavylift.pipeline.case.bodies import BODY_SECTIONS, BodyTable, RigidBodySection
 from heavylift.pipeline.case.channel_kinds import MESH_TYPES, Declared, all_channels, joint_coordinate
 from heavylift.pipeline.case.collisions import collision_section, declared_collisions, yields
 from heavylift.pipeline.case.contacts import contact_section
-from heavylift.pipeline.case.contours import Contour
-from heavylift.pipeline.case.described import Chosen
+from heavylift.pipeline.case.described import Chosen, Later
 from heavylift.pipeline.case.errors import chosen_in, is_chosen, sections_in
-from heavylift.pipeline.case.fields import GROUND, AccelerationVector, Section, UniqueName
-from heavylift.pipeline.case.hulls import DatabaseName, DatabaseSection, HullName, hull_section
+from heavylift.pipeline.case.fields import GROUND, AccelerationVector, HullName, Name, Section, UniqueName
 from heavylift.pipeline.case.joints import Joint
-from heavylift.pipeline.case.meshes import BODY_SECTIONS, Body
-from heavylift.pipeline.case.scenario import ScenarioSection
-from heavylift.pipeline.case.sea import SeaSection
-from heavylift.pipeline.case.surfaces import SurfaceSection
 from heavylift.pipeline.equipment.builders import BUILDERS, EQUIPMENT
 from heavylift.solver.scene.bodies import Fixed, Free
 from heavylift.solver.scene.collisions import Collision
@@ -53,6 +47,8 @@ from heavylift.solver.scene.transport import TRANSPORT
 from heavylift.solver.scene.wind_loads import FLUID_LOADS, WindField
 
 __all__ = ["TABLES", "SceneTables", "Table", "declared", "lengths"]
+
+_HERE = "heavylift.pipeline.case"
 
 Vector = list[float]
 Row = Mapping[str, Any]
@@ -224,9 +220,9 @@ class Table:
         Moves the places in the world that an entry as read from TOML says, by a vector [m] in the world.
     is_outer
         Whether an entry of a case acts from outside: changes the momentum of the scene; or names of its parts that do.
-    key, by_name, chosen, sections
-        Its key; whether it holds its entries by name, or is a list; what chooses their description, or sections that
-        they may be.
+    key, by_name, chosen, annotation
+        Its key; whether it holds its entries by name, or is a list; what chooses their description, or the annotation
+        with sections that they may be.
     """
 
     words: str
@@ -238,7 +234,7 @@ class Table:
     key: str = ""
     by_name: bool = False
     chosen: Chosen | None = None
-    sections: tuple[Any, ...] = ()
+    annotation: Any = None
 
     @property
     def repeated(self) -> tuple[Any, Any]:
@@ -285,8 +281,9 @@ class Table:
             along = joint_coordinate(joints.get(str(row.get("joint")), ""), row.get("coordinate")) or "angle"
             own = None if described is None else recorded_channels(described, along)
         else:
-            of_type = [section for section in self.sections if is_chosen(section, row)]
-            alike = {section.CHANNELS for section in of_type or self.sections}
+            sections: tuple[Any, ...] = tuple(sections_in(self.annotation))
+            of_type = [section for section in sections if is_chosen(section, row)]
+            alike = {section.CHANNELS for section in of_type or sections}
             own = alike.pop() if len(alike) == 1 else None
         return all_channels() if own is None else _quantities(own)
 
@@ -302,7 +299,7 @@ class _Structure(Section):
     """Tables before those of equipment."""
 
     bodies: Annotated[
-        dict[UniqueName, Body],
+        dict[UniqueName, BodyTable],
         Field(min_length=1),
         Table("Bodies", "body", records=_of_body, move=_move_body, is_outer=_is_held),
     ]
@@ -354,6 +351,12 @@ else:
     )
 
 
+def _hull_section(described: Any) -> type[Section]:
+    from heavylift.pipeline.case.hulls import hull_section
+
+    return hull_section(described)
+
+
 class SceneTables(_EquippedScene):
     """What a case says of its scene."""
 
@@ -367,9 +370,10 @@ class SceneTables(_EquippedScene):
         ),
     ] = ()
     """Applied forces, springs, motors."""
-    contours: Annotated[dict[UniqueName, Contour], Table("Contours", "contour", move=_move_contour)] = Field(
-        default_factory=dict
-    )
+    contours: Annotated[
+        dict[UniqueName, Annotated[Any, Later(f"{_HERE}.contours", "Contour")]],
+        Table("Contours", "contour", move=_move_contour),
+    ] = Field(default_factory=dict)
     """Curves and surfaces of bodies that something may touch, by name."""
     contacts: Annotated[
         tuple[Annotated[Any, Chosen(CONTACT_LAWS, contact_section)], ...],
@@ -382,23 +386,27 @@ class SceneTables(_EquippedScene):
         ),
     ] = ()
     """What touches contours, and by what law."""
-    surfaces: Annotated[tuple[SurfaceSection, ...], Table("Surfaces", "surface", move=_move_surface)] = ()
+    surfaces: Annotated[
+        tuple[Annotated[Any, Later(f"{_HERE}.surfaces", "SurfaceSection")], ...],
+        Table("Surfaces", "surface", move=_move_surface),
+    ] = ()
     """Triangles of bodies that may touch those of others: CAD files and simple shapes."""
     collisions: Annotated[
         tuple[Annotated[Any, Chosen(COLLISION_LAWS, collision_section)], ...],
         Table("Collisions", "collision", records=(), is_outer=_pairs_with_ground),
     ] = ()
     """Which surfaces may touch, and by what law."""
-    sea: SeaSection | None = None
+    sea: Annotated[Any, Later(f"{_HERE}.sea", "SeaSection")] | None = None
     """Water, waves, wind and current."""
     hulls: Annotated[
-        dict[HullName, Annotated[Any, Chosen(AT_SEA, hull_section, word="hulls")]],
+        dict[HullName, Annotated[Any, Chosen(AT_SEA, _hull_section, word="hulls")]],
         Table("Hulls", "hull", "bodies", is_outer=lambda _hull, _case: True),
     ] = Field(default_factory=dict)
     """What floats, by the names of rigid bodies."""
-    databases: Annotated[dict[DatabaseName, DatabaseSection], Table("Databases", "database", "apart")] = (
-        Field(default_factory=dict)
-    )
+    databases: Annotated[
+        dict[Name, Annotated[Any, Later(f"{_HERE}.hulls", "DatabaseSection")]],
+        Table("Databases", "database", "apart"),
+    ] = Field(default_factory=dict)
     """Added mass, damping and excitation of hulls, by names of their own."""
     tanks: Annotated[tuple[Annotated[Any, Chosen(AT_SEA, word="tanks")], ...], Table("Tanks", "tank")] = ()
     """Ballast water in hulls."""
@@ -471,7 +479,7 @@ class SceneTables(_EquippedScene):
         Table("Rope groups", "rope group"),
     ] = ()
     """Tensions of ropes that share a load."""
-    scenario: ScenarioSection | None = None
+    scenario: Annotated[Any, Later(f"{_HERE}.scenario", "ScenarioSection")] | None = None
     """Phases of an operation."""
 
 
@@ -481,7 +489,7 @@ TABLES: Mapping[str, Table] = {
         key=key,
         by_name=get_origin(field.annotation) is dict,
         chosen=chosen_in(field.annotation),
-        sections=() if chosen_in(field.annotation) else tuple(sections_in(field.annotation)),
+        annotation=field.annotation,
     )
     for key, field in SceneTables.model_fields.items()
     for mark in field.metadata

@@ -42,8 +42,8 @@ if TYPE_CHECKING:
     from heavylift.modal.reduced import ReducedBody
     from heavylift.modal.stress_history import Envelope, GroupHistory
     from heavylift.modal.stress_points import StressPoints
-    from heavylift.pipeline.case.bodies import FlexibleBodySection
     from heavylift.pipeline.case.case_file import Case
+    from heavylift.pipeline.case.flexible_bodies import FlexibleBodySection
     from heavylift.pipeline.results.histories import Results
     from heavylift.pipeline.results.storage import OutputFolder
     from heavylift.preprocess.finite_elements.model import FEModel

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from heavylift.numerics.rotation import turned_by
 from heavylift.pipeline.case.criteria.base import phase_names
 from heavylift.pipeline.case.criteria.places import sensor_at
 from heavylift.pipeline.case.criteria.run import Run
@@ -119,14 +120,11 @@ class RecordedRun(Run):
             return float(np.sum(0.5 * (values[1:] + values[:-1]) * steps) / np.sum(steps))
         return float(values[-1] if when == "end" else values[0])
 
-    def rotations(self, body: str) -> Any:
-        """From the axes of a body to those of the world, at all times."""
-        from scipy.spatial.transform import Rotation
-
+    def turned(self, body: str, vector: Sequence[float] | NDArray[np.float64]) -> NDArray[np.float64]:
+        """A vector in the axes of a body in those of the world, shape (nt, 3)."""
         if body == GROUND:
-            return Rotation.identity(len(self.times))
-        q = self.results[f"{body}.orientation"][self.inside]
-        return Rotation.from_quat(q[:, [1, 2, 3, 0]])
+            return np.tile(np.array(vector, dtype=np.float64), (len(self.times), 1))
+        return turned_by(self.results[f"{body}.orientation"][self.inside], vector)
 
     def place(self, body: str, point: Sequence[float]) -> NDArray[np.float64]:
         """Where a point of a body is in the world [m], shape (nt, 3)."""
@@ -139,7 +137,7 @@ class RecordedRun(Run):
             return np.asarray(self.results[f"{sensor}.position"][self.inside])
         given = given - np.array(section.drawn_origin)
         position = self.results[f"{body}.position"][self.inside]
-        return np.asarray(position + self.rotations(body).apply(given))
+        return np.asarray(position + self.turned(body, given))
 
     def parts(self, name: str) -> tuple[list[NDArray[np.float64]], list[NDArray[np.float64]]]:
         """Beginnings and ends of the straight parts of a rope in the world [m], each of shape (nt, 3).
@@ -150,8 +148,7 @@ class RecordedRun(Run):
         centres = [self.place(stop.body, stop.point) for stop in rope.path]
         pieces = straight_parts(rope)
         if hasattr(rope, "lengths"):
-            turns = self.rotations(rope.path[0].body)
-            down = np.asarray(turns.apply(np.array(rope.direction) / np.linalg.norm(rope.direction)))
+            down = self.turned(rope.path[0].body, np.array(rope.direction) / np.linalg.norm(rope.direction))
             begins = []
             tensions = tensions_of(self.case, [name]).values()
             for (a, b), unstretched, told in zip(pieces, rope.lengths, tensions, strict=True):
@@ -165,8 +162,8 @@ class RecordedRun(Run):
         axes = []
         for stop in rope.path:
             axis = np.array([0.0, 0.0, 1.0] if stop.axis is None else stop.axis, dtype=np.float64)
-            turns = self.rotations(stop.body if stop.radius > 0.0 else GROUND)
-            axes.append(np.asarray(turns.apply(axis / np.linalg.norm(axis))))
+            owner = stop.body if stop.radius > 0.0 else GROUND
+            axes.append(self.turned(owner, axis / np.linalg.norm(axis)))
         arrive, leave = rope_tangents(centres, [stop.radius for stop in rope.path], axes)
         return [leave[a] for a, _ in pieces], [arrive[b] for _, b in pieces]
 

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, get_args
 from heavylift.numerics.packages import version_of
 from heavylift.pipeline.case.connectivity import connected_to_hull
 from heavylift.pipeline.case.fields import InFolder, Section
-from heavylift.pipeline.case.geometry import MatricesGeometry
 from heavylift.pipeline.case.interfaces import holding_joints, pulled_points, pulling_joints
 from heavylift.pipeline.case.tables import SceneTables
 from heavylift.pipeline.results.storage import digest_file, digest_json, read_json
@@ -18,8 +17,8 @@ from heavylift.pipeline.results.storage import digest_file, digest_json, read_js
 if TYPE_CHECKING:
     from typing import Any
 
-    from heavylift.pipeline.case.bodies import FlexibleBodySection
     from heavylift.pipeline.case.case_file import Case
+    from heavylift.pipeline.case.flexible_bodies import FlexibleBodySection
     from heavylift.pipeline.case.hulls import DatabaseSection
     from heavylift.pipeline.case.meshes import MeshBodySection
     from heavylift.pipeline.case.surfaces import SurfaceSection
@@ -170,7 +169,7 @@ def _files(case: Case, body: FlexibleBodySection | MeshBodySection) -> dict[str,
     if path.is_dir():
         return {item.name: digest_file(item) for item in sorted(path.glob("*.dat"))}
     found = _with_includes(case, name)
-    if isinstance(geometry, MatricesGeometry):
+    if geometry is not None and geometry.type == "matrices":
         files = [case.folder / other for other in geometry.matrix_files().values()]
         found |= {item.name: digest_file(item) for item in files if item.is_file()}
     return found

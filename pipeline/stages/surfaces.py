@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import os
 import shutil
+import sys
 import time
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from heavylift.numerics.outcome import Outcome
+from heavylift.numerics.side_by_side import SideBySide
 from heavylift.pipeline.assemble.surfaces import (
     StoredSurface,
     magnitude_warnings,
@@ -42,42 +45,56 @@ def make_surfaces(work: Work) -> tuple[bool, float, dict[str, Any]]:
         return True, 0.0, {}
     items = dict((read_json(manifest_file) or {}).get("items", {}))
     items = {name: item for name, item in items.items() if name in wanted}
-    skipped, made = True, dict[str, StoredSurface]()
+    forced, digests, states = "mesh" in work.force, dict[str, str](), dict[str, bool | None]()
     for name, index in wanted.items():
-        file, digest = folder.surface(name), surface_digest(case, case.surfaces[index])
-        item = items.get(name, {})
-        if "mesh" not in work.force and item.get("digest") == digest:
-            if unchanged(file, item):
+        file, digests[name] = folder.surface(name), surface_digest(case, case.surfaces[index])
+        current = not forced and items.get(name, {}).get("digest") == digests[name]
+        states[name] = unchanged(file, items[name]) if current else None
+
+    def make(name: str) -> tuple[StoredSurface, dict[str, Any]]:
+        begin, file = time.process_time(), folder.surface(name)
+        surface = make_surface(case, wanted[name])
+        write_surface_file(file, surface)
+        seconds = time.process_time() - begin
+        return surface, {
+            "digest": digests[name],
+            **stored(file),
+            "cpu_s": seconds,
+            "properties": surface.report,
+        }
+
+    makes = {name: partial(make, name) for name in wanted if not states[name]}
+    # shapes take less than a process; what another folder may have is looked for first, one after the other
+    read = {name: each for name, each in makes.items() if case.surfaces[wanted[name]].file is not None}
+    several = read if not work.reuse or forced else {}
+    skipped, made = True, dict[str, StoredSurface]()
+    with SideBySide(list(several.values()), alone="gmsh" in sys.modules) as processes:
+        results = processes.results()
+        for name in wanted:
+            if states[name]:
                 log.say(f"mesh: {name}: unchanged, skipped")
                 continue
-            if file.is_file():
+            file = folder.surface(name)
+            if states[name] is False and file.is_file():
                 log.say(f"mesh: {name}: {file} is damaged, read again")
-        skipped = False
-        found = None if "mesh" in work.force else reused(work, manifest_file, name, digest, file)
-        if found is None:
-            begin = time.process_time()
-            made[name] = make_surface(case, index)
-            write_surface_file(file, made[name])
-            found = {
-                "digest": digest,
-                **stored(file),
-                "cpu_s": time.process_time() - begin,
-                "properties": made[name].report,
-            }
-            log.say(f"mesh: {name}: {_words(found['properties'])}; {found['cpu_s']:.2f} s CPU")
-        items[name] = found
-        write_json(
-            manifest_file,
-            {
-                "stage": "surfaces",
-                "outcome": Outcome.COMPLETED.name.lower(),
-                "case": case.name,
-                "overrides": case.overrides,
-                "sources_digest": source_digest("surfaces"),
-                "versions": versions("surfaces"),
-                "items": items,
-            },
-        )
+            skipped = False
+            found = None if forced else reused(work, manifest_file, name, digests[name], file)
+            if found is None:
+                made[name], found = next(results) if name in several else makes[name]()
+                log.say(f"mesh: {name}: {_words(found['properties'])}; {found['cpu_s']:.2f} s CPU")
+            items[name] = found
+            write_json(
+                manifest_file,
+                {
+                    "stage": "surfaces",
+                    "outcome": Outcome.COMPLETED.name.lower(),
+                    "case": case.name,
+                    "overrides": case.overrides,
+                    "sources_digest": source_digest("surfaces"),
+                    "versions": versions("surfaces"),
+                    "items": items,
+                },
+            )
     surfaces = {name: made.get(name) or read_surface_file(folder.surface(name)) for name in wanted}
     for warning in magnitude_warnings(case, surfaces):
         log.say(f"mesh: WARNING: {warning}")

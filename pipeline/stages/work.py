@@ -9,8 +9,8 @@ from heavylift.numerics.classes import dataclass
 
 if TYPE_CHECKING:
     from heavylift.numerics.outcome import Outcome
-    from heavylift.pipeline.case.bodies import FlexibleBodySection
     from heavylift.pipeline.case.case_file import Case
+    from heavylift.pipeline.case.flexible_bodies import FlexibleBodySection
     from heavylift.pipeline.log import Log
     from heavylift.pipeline.results.storage import OutputFolder
 

@@ -18,6 +18,7 @@ from heavylift.solver.kinds import optional
 __all__ = [
     "bound_motion",
     "form_controls",
+    "keep_places",
     "pose_contours",
     "put_contour_rows",
     "put_surface_rows",
@@ -52,6 +53,11 @@ def put_contour_rows(kinds: Bodies, contacts: ContactRows, contact: int, count: 
 @optional("contact")
 def bound_motion(kinds: Bodies, contacts: ContactRows, step: float, work: Workspace) -> None:
     """Bodies: how far any point of a contour moves in the step at the velocity of the stage, at most, into its pose."""
+
+
+@optional("contact")
+def keep_places(kinds: Bodies, contacts: ContactRows, back: bool) -> None:
+    """Bodies: where those that sleep are, into `ContactRows.slept`, or back from there."""
 
 
 @optional("contact")

@@ -20,7 +20,7 @@ from heavylift.contours.splines.search_step import ContourSearch
 from heavylift.contours.triangles.surface_layout import RelativePose
 from heavylift.numerics.arrays import Arrays, Floats1, Floats2, Ints1, Ints2
 from heavylift.numerics.lanes import block_shape
-from heavylift.numerics.records import Matrix3, Record, Records, Vector
+from heavylift.numerics.records import Matrix3, Quaternion, Record, Records, Vector, Vector6
 from heavylift.solver.contact.layout import Problem, RowKind, RowParameters, Solution
 from heavylift.solver.contact.triangles.facet_kind import FacetSurfaces
 from heavylift.solver.contact.triangles.modal_kind import ModalSurfaces
@@ -42,8 +42,11 @@ __all__ = [
     "Counts",
     "Events",
     "Features",
+    "HeldContact",
     "Reduced",
     "Scratch",
+    "Sleeper",
+    "Slept",
     "StoodPair",
     "Tally",
 ]
@@ -100,6 +103,9 @@ LARGEST_CONTROLS = 1024
 EVALUATION_ROOM = 904
 """Numbers of the scratch of evaluation and search."""
 
+NEVER_MOVES = -1
+"""In place of a body that may sleep: the ground, or a fixed one."""
+
 DENSE = 4
 """Contacts up to which their own matrix is formed where all bodies are rigid."""
 
@@ -126,6 +132,8 @@ class ContactEntry(Record):
         Number of its moving point on a mesh.
     primitive_kind
         Kind of a convex primitive.
+    sleepers
+        Of both sides: 1 + its row in `ContactRows.sleepers`, `NEVER_MOVES`, or 0 of what neither sleeps nor stands.
     """
 
     contour: int
@@ -138,6 +146,7 @@ class ContactEntry(Record):
     events: bool
     slot: int
     primitive_kind: int
+    sleepers: Annotated[NDArray[np.int64], (2,)]
 
 
 class ContactValues(Record):
@@ -512,6 +521,61 @@ class StoodPair(Record):
     still: int
 
 
+class Sleeper(Record):
+    """A free rigid body in contacts between surfaces, which may sleep, see `solve.asleep`.
+
+    Attributes
+    ----------
+    dof, pose, size
+        Its first velocity, row of the pose of a surface of it, and largest distance on that from its origin [m].
+    allowed
+        Whether it may: no joint, rope or other kind of contact has it.
+    load
+        Its accelerations in this step without contacts [m/s2, rad/s2].
+    balanced
+        Whether contacts bear that.
+    group, blocked
+        A body of those that touch each other, and whether that group cannot sleep, while islands are found.
+    """
+
+    dof: int
+    pose: int
+    size: float
+    allowed: bool
+    load: Vector6
+    balanced: bool
+    group: int
+    blocked: bool
+
+
+class Slept(Record):
+    """What is carried of a body that may sleep.
+
+    Attributes
+    ----------
+    pose, load, still
+        Pose and load that it has had for so many whole steps in a row.
+    island
+        0 while it is awake, else the number of its island, from 1 on.
+    position, orientation
+        Of its frame while it sleeps.
+    """
+
+    pose: RelativePose
+    load: Vector6
+    still: int
+    island: int
+    position: Vector
+    orientation: Quaternion
+
+
+class HeldContact(Record):
+    """Of a contact when a step began: whether it was at rest, and the sum of its impulses [N s]."""
+
+    rests: bool
+    impulse: float
+
+
 class Features(Table):
     """What kinds of contact a scene has."""
 
@@ -540,6 +604,8 @@ class Reduced(Arrays):
         panels through the inverse mass are the columns of that, three each; else -1.
     joined
         Of each velocity that a body begins with: 1 if rows of joints or ropes reach it, so that it feels others.
+    of_bodies, of_contacts
+        Scratch of islands, two rows each: by velocity and by contact.
     """
 
     problem: Problem
@@ -552,6 +618,8 @@ class Reduced(Arrays):
     velocities: Ints1
     units: Ints1
     joined: Ints1
+    of_bodies: Ints2
+    of_contacts: Ints2
 
 
 class ContactRows(RowArrays):
@@ -612,8 +680,10 @@ class ContactRows(RowArrays):
         number of contacts. Shape (n, 12).
     stood
         Where those pairs have stood still.
-    carried, saved
-        All that a step changes in the scene, as one array, and its copy.
+    sleepers, slept
+        Bodies that may sleep, and what is carried of each.
+    held, carried, saved
+        What is kept of contacts apart; all that a step changes in the scene, as one array, and its copy.
     """
 
     shape: ClassVar[Any] = block_shape(3)
@@ -631,6 +701,7 @@ class ContactRows(RowArrays):
         "state",
         "placed",
         "stood",
+        "slept",
     )
 
     features: Features
@@ -666,5 +737,8 @@ class ContactRows(RowArrays):
     modal: ModalSurfaces
     placed: Floats2
     stood: Records[StoodPair]
+    sleepers: Records[Sleeper]
+    slept: Records[Slept]
+    held: Records[HeldContact]
     carried: Floats1
     saved: Floats1

@@ -110,12 +110,19 @@ class ProblemSize(Record):
         The rate by which residuals are measured at least [m/s].
     free_rate
         Largest rate that a whole step without impulses gives to what touches [m/s].
+    first, last, low, high
+        Contacts from one on up to another one that are solved at present, and places of their velocities: an island, on
+        which no other contact acts.
     """
 
     number: int
     size: int
     least_rate: float
     free_rate: float
+    first: int
+    last: int
+    low: int
+    high: int
 
 
 class Marks(Record):
@@ -127,13 +134,17 @@ class Marks(Record):
         Whether masses are in the rows.
     near_diagonal
         Whether the factors are those without exchange of rows.
-    scale
-        Largest rate without impulses or by what the step has given before [m/s].
+    in_order
+        Whether islands can be solved one by one.
+    scale, free
+        Largest rate without impulses or by what the step has given before [m/s], and largest rate without impulses.
     """
 
     unit_mass: bool
     near_diagonal: bool
+    in_order: bool
     scale: float
+    free: float
 
 
 class Work(Arrays):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import field
 from typing import Any
 
 import numpy as np
@@ -10,7 +11,7 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.classes import dataclass
 from heavylift.numerics.records import Records, records
-from heavylift.solver.contact.kind import Colliding, ContactContour, ContourPose
+from heavylift.solver.contact.kind import Colliding, ContactContour, ContourPose, Sleeper
 from heavylift.solver.contact.triangles.facet_kind import FacetSurfaces
 from heavylift.solver.contact.triangles.modal_kind import ModalSurfaces
 from heavylift.solver.rows.structure import DIAGONAL, FACTORED, PRESCRIBED
@@ -40,6 +41,8 @@ class PackedCollisions:
         Velocities that a side of a contact sees at most.
     sides
         First velocity, number and holder of the bodies that collide.
+    sleepers
+        Those of them that may sleep.
     """
 
     meshes: Colliding
@@ -52,6 +55,7 @@ class PackedCollisions:
     all_rigid: bool
     widest: int = 6
     sides: Sequence[Any] = ()
+    sleepers: Records[Sleeper] = field(default_factory=lambda: records(Sleeper, 0))
 
 
 def moves_rigidly(side: Any) -> bool:

@@ -36,8 +36,10 @@ from heavylift.solver.contact.kind import (
     Counts,
     Events,
     Features,
+    HeldContact,
     Reduced,
     Scratch,
+    Slept,
     StoodPair,
     Tally,
 )
@@ -267,6 +269,8 @@ def _kind(
     reduced.units[factored] = 2 * (count + np.arange(len(factored)))
     if rigid_only:
         reduced.joined[linked["dof"][linked["holder"] != PRESCRIBED]] = 1
+    sleepers = collided.sleepers
+    sleepers["allowed"] &= ~np.isin(sleepers["dof"], [*linked["dof"], *(side.dof for side in sides)])
     control = Events.one()
     control.watched = control.joins = -1
     return ContactRows(
@@ -308,6 +312,9 @@ def _kind(
         modal=collided.modal,
         placed=collided.placed,
         stood=records(StoodPair, sum(len(meshes.pairs) for meshes in collided.meshes)),
+        sleepers=collided.sleepers,
+        slept=records(Slept, len(collided.sleepers)),
+        held=records(HeldContact, count),
         carried=np.zeros(0),
         saved=np.zeros(0),
     )
@@ -343,6 +350,8 @@ def _reduced(dense: layout.Problem, contact_count: int, size: int, velocity_coun
         velocities=np.zeros(size, dtype=np.int64),
         units=np.full(velocity_count, -1, dtype=np.int64),
         joined=np.zeros(velocity_count, dtype=np.int64),
+        of_bodies=np.zeros((2, velocity_count), dtype=np.int64),
+        of_contacts=np.zeros((2, contact_count), dtype=np.int64),
     )
 
 

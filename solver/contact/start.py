@@ -8,6 +8,7 @@ from heavylift.solver.contact.counts import contact_count
 from heavylift.solver.contact.interface import pose_contours, settle_points
 from heavylift.solver.contact.kind import BILATERAL, COMPLIANT, CURVE, RIGID, ContactRows
 from heavylift.solver.contact.search.contact_kinematics import locate
+from heavylift.solver.contact.solve.asleep import wake_all
 from heavylift.solver.contact.solve.delassus import contact_rates
 from heavylift.solver.contact.solve.events import gap_tolerance
 from heavylift.solver.contact.solve.impacts import REST, count_rough, pressed_force
@@ -56,6 +57,7 @@ def run_start(
 def _locate_all(contacts: ContactRows, bodies: Bodies, work: Workspace, step: float) -> None:
     """Search from everywhere; sliders and beads are closed from the start."""
     contacts.control.nominal_step, contacts.control.part = step, 1.0
+    wake_all(contacts)
     pose_contours(bodies, False, contacts)
     for c in range(contact_count(contacts)):
         state = contacts.state[c]

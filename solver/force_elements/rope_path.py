@@ -27,6 +27,26 @@ from heavylift.numerics.objects import entry
 from heavylift.numerics.records import Record, Records
 from heavylift.numerics.records import Vector as VectorField
 from heavylift.numerics.vectors import cross
+from heavylift.solver.force_elements.rope_lanes import (
+    ALONG,
+    ARRIVING,
+    AXIS,
+    BY_AXIS,
+    BY_NEXT_AXIS,
+    CENTRE,
+    LANES,
+    LEAVING,
+    LENGTH,
+    NEARLY_PARALLEL,
+    RADIUS,
+    ROW,
+    WRAP,
+    begin_parts,
+    begin_tilted_parts,
+    end_parts,
+    room,
+    turn_parts,
+)
 from heavylift.solver.joints.row_writing import dot, near_angle
 
 __all__ = ["START_WRAP", "PlaceGradient", "RopePlace", "find_parts", "path_length"]
@@ -35,10 +55,11 @@ START_WRAP = 0.75 * math.pi
 """Wrap near which that of the start is sought [rad]: from 1/8 of a turn less than none, of a pulley that the rope does
 not touch, to 7/8 of a turn."""
 
-NEWTON_STEPS = 12
+NEWTON_STEPS, LAST_TURN = 12, 1e-10
+"""Most of a part; sum of the two angles after which the error left is the square of it [rad]."""
 
-NEARLY_PARALLEL = 0.9
-"""Cosine between the axes of two pulleys above which their tangent is sought from that of parallel axes."""
+MANY = 4
+"""Straight parts of a rope from which on they are solved side by side, unless it passes pulleys by."""
 
 SMALL_TURN = 1e-3
 """Angle [rad] below which three terms of a series have all digits."""
@@ -155,7 +176,7 @@ def _straight(a: RopePlace, b: RopePlace) -> tuple[Vector, Vector]:
         determinant = a11 * a22 - a12 * a21
         turn1, turn2 = (a12 * f2 - a22 * f1) / determinant, (a21 * f1 - a11 * f2) / determinant
         e1, e2 = _turned(e1, t1, turn1), _turned(e2, t2, turn2)
-        if abs(turn1) + abs(turn2) < 1e-10:  # the error left is the square of it
+        if abs(turn1) + abs(turn2) < LAST_TURN:
             break
     return e1, e2
 
@@ -253,18 +274,87 @@ def _add_part(
 
 
 @kernel(internal=True)
+def _turn_between(arrival: Vector, place: RopePlace, leaving: Vector, before: float) -> float:
+    """Wrap of a place [rad] between the unit vectors to both tangent points, nearest to the one before."""
+    return near_angle(math.atan2(dot(_axis(place), cross(arrival, leaving)), dot(arrival, leaving)), before)
+
+
+@kernel(internal=True)
+def _solve_group(
+    places: Records[RopePlace], wraps: NDArray[np.float64], first: int, numbers: NDArray[np.float64]
+) -> None:
+    """Straight parts from some place on, as many as go side by side; behind the last place there are eyes."""
+    last = places.shape[0] - 1
+    for j in range(3):
+        before = numbers[ARRIVING + j * ROW + LANES] if first > 0 else 0.0
+        numbers[ARRIVING + j * ROW] = before
+    for k in range(LANES + 1):
+        p = min(first + k, last)
+        for j in range(3):
+            numbers[CENTRE + j * ROW + k] = places[p].centre[j]
+            numbers[AXIS + j * ROW + k] = places[p].axis[j]
+        numbers[CENTRE + k] += first + k - p  # apart from each other
+        numbers[RADIUS + k] = places[p].radius
+        numbers[WRAP + k] = wraps[p]
+    if begin_parts(numbers)[0] > 0.0:
+        begin_tilted_parts(numbers)
+    for _ in range(NEWTON_STEPS):
+        if turn_parts(numbers)[0] < LAST_TURN * LAST_TURN:
+            break
+    end_parts(numbers)
+
+
+@kernel(inline=True, internal=True)
+def _lane(numbers: NDArray[np.float64], quantity: int, k: int) -> Vector:
+    return numbers[quantity + k], numbers[quantity + ROW + k], numbers[quantity + 2 * ROW + k]
+
+
+@kernel(internal=True)
+def _take_part(
+    places: Records[RopePlace],
+    wraps: NDArray[np.float64],
+    i: int,
+    j: int,
+    numbers: NDArray[np.float64],
+    side_by_side: bool,
+    by_a: PlaceGradient,
+    by_b: PlaceGradient,
+) -> tuple[float, Vector, Vector]:
+    """`_add_part` from place i to j; side by side with those behind it, all of which are solved at the first one."""
+    if not side_by_side:
+        return _add_part(places[i], places[j], by_a, by_b)
+    k = i % LANES
+    if k == 0:
+        _solve_group(places, wraps, i, numbers)
+    along = _lane(numbers, ALONG, k)
+    _add(by_a.centre, -1.0, along)
+    _add(by_b.centre, 1.0, along)
+    _add(by_a.axis, 1.0, _lane(numbers, BY_AXIS, k))
+    _add(by_b.axis, 1.0, _lane(numbers, BY_NEXT_AXIS, k))
+    return numbers[LENGTH + k], _lane(numbers, LEAVING, k), _lane(numbers, ARRIVING + 1, k)
+
+
+@kernel(inline=True, internal=True)
+def _wrap(
+    arrival: Vector,
+    place: RopePlace,
+    leaving: Vector,
+    before: float,
+    i: int,
+    numbers: NDArray[np.float64],
+    side_by_side: bool,
+) -> float:
+    """`_turn_between` at place i, which is found with the part behind it if that is side by side with others."""
+    return numbers[WRAP + i % LANES] if side_by_side else _turn_between(arrival, place, leaving, before)
+
+
+@kernel(internal=True)
 def _next_place(places: Records[RopePlace], wraps: NDArray[np.float64], i: int, skips: bool) -> int:
     """The place to which the rope runs from place i, past pulleys with a negative wrap if they are skipped."""
     j = i + 1
     while skips and j < places.shape[0] - 1 and places[j].radius > 0.0 and wraps[j] < 0.0:
         j += 1
     return j
-
-
-@kernel(internal=True)
-def _turn_between(arrival: Vector, place: RopePlace, leaving: Vector, before: float) -> float:
-    """Wrap of a place [rad] between the unit vectors to both tangent points, nearest to the one before."""
-    return near_angle(math.atan2(dot(_axis(place), cross(arrival, leaving)), dot(arrival, leaving)), before)
 
 
 @kernel(internal=True)
@@ -276,16 +366,17 @@ def _run_over(
     for i in range(count):
         for k in range(3):
             gradient[i].centre[k] = gradient[i].axis[k] = 0.0
+    numbers, side_by_side = room(), count > MANY and not skips
     total, lowest = 0.0, math.inf
     arrival = (0.0, 0.0, 0.0)
     i = 0
     while i < count - 1:
         j = _next_place(places, wraps, i, skips)
-        straight, e1, e2 = _add_part(places[i], places[j], gradient[i], gradient[j])
+        straight, e1, e2 = _take_part(places, wraps, i, j, numbers, side_by_side, gradient[i], gradient[j])
         total += straight
         r = places[i].radius
         if r > 0.0:
-            wrap = _turn_between(arrival, places[i], e1, wraps[i])
+            wrap = _wrap(arrival, places[i], e1, wraps[i], i, numbers, side_by_side)
             total += r * wrap
             if math.isfinite(wrap):  # what has no path must not spoil the count of turns
                 wraps[i] = wrap
@@ -378,8 +469,9 @@ def find_parts(
     tensions at the tangent points, and no part turns a body about the axis of its pulley. At pulleys that the rope does
     not touch they end at points of the straight line, fixed in space, which divide it into equal parts.
     """
-    count, skips = places.shape[0], False
+    count, skips, numbers = places.shape[0], False, room()
     while True:
+        side_by_side = count > MANY and not skips
         for i in range(count):
             lengths[i] = 0.0
             for k in range(3):
@@ -390,7 +482,7 @@ def find_parts(
         i = 0
         while i < count - 1:
             j = _next_place(places, wraps, i, skips)
-            straight, e1, e2 = _add_part(places[i], places[j], leaving[i], gradient[j])
+            straight, e1, e2 = _take_part(places, wraps, i, j, numbers, side_by_side, leaving[i], gradient[j])
             total += straight
             for part in range(i, j):
                 lengths[part] += straight / (j - i)
@@ -399,7 +491,7 @@ def find_parts(
                 gradient[i].axis[k] += leaving[i].axis[k]
             r = places[i].radius
             if r > 0.0:
-                wrap = _turn_between(arrival, places[i], e1, wraps[i])
+                wrap = _wrap(arrival, places[i], e1, wraps[i], i, numbers, side_by_side)
                 total += r * wrap
                 lengths[i] += 0.5 * r * wrap
                 lengths[i - 1] += 0.5 * r * wrap

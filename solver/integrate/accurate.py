@@ -122,7 +122,9 @@ def _evaluate(
     size = values.shape[0] // VECTORS
     at, out, end = stage * size, rate * size, (rate + 1) * size - QUADRATURES
     if progress.trees:
-        evaluate_trees(rows, bodies, forces, joints, rows, work, integration, at, out, time, with_reactions)
+        evaluate_trees(
+            rows, bodies, forces, joints, rows, work, integration, at, out, time, with_reactions, factored
+        )
         return
     begin_stage(bodies, time, values, at, work)
     write_rates(integration.coordinates, values, at, out)

@@ -103,9 +103,9 @@ class Outputs(_Record):
         return cls._record
 
     @classmethod
-    def numba_type(cls) -> Any:
+    def kernel_type(cls) -> Any:
         """Type in kernels."""
-        return cls.record().numba_type()
+        return cls.record().kernel_type()
 
 
 class Parts(Outputs):

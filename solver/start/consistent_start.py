@@ -172,9 +172,7 @@ def _quick_newton(
         violation = _largest(rows.residual, rigid)
         if not violation > 1e-3 * goal:
             break
-        _shift(
-            rows, rows.jacobian(), rigid, inertia, min(LEAST_SOFTNESS * 1e3, violation**2 + LEAST_SOFTNESS)
-        )
+        _shift(rows, rows.matrix(), rigid, inertia, min(LEAST_SOFTNESS * 1e3, violation**2 + LEAST_SOFTNESS))
         last = violation
         violation = _largest(rows.residual, rigid)
         if not np.isfinite(violation) or (violation <= goal and violation > 0.3 * last):
@@ -187,7 +185,7 @@ def _damped_newton(
     rows: StartRows, rigid: NDArray[np.bool_], inertia: NDArray[np.float64], goal: float
 ) -> float:
     """Steps that always go downhill, with rows as soft as that takes; returns the largest violation left."""
-    G = rows.jacobian()
+    G = rows.matrix()
     violation = _largest(rows.residual, rigid)
     lengths = rows.unit_rows(G, rigid, inertia)[1]
     total = float(np.linalg.norm(rows.residual[rigid] / lengths))
@@ -197,7 +195,7 @@ def _damped_newton(
             break
         before, last = rows.snapshot(), (violation, total, G)
         _shift(rows, G, rigid, inertia, softness)
-        violation, G = _largest(rows.residual, rigid), rows.jacobian()
+        violation, G = _largest(rows.residual, rigid), rows.matrix()
         total = float(np.linalg.norm(rows.residual[rigid] / lengths))
         if total < last[1]:
             softness = max(softness * (0.01 if total < 0.3 * last[1] else 0.1), LEAST_SOFTNESS)
@@ -245,7 +243,7 @@ def close_velocities(rows: StartRows) -> tuple[float, str]:
     scale = float(np.abs(velocity).max(initial=0.0)) + float(np.abs(target).max(initial=0.0))
     if scale == 0.0:  # at rest nothing is to be changed
         return 0.0, ""
-    G = rows.jacobian()
+    G = rows.matrix()
     wanted = target - G @ velocity
     wanted[~rigid] = 0.0
     if not _largest(wanted, rigid) > 1e-14 * scale:
@@ -286,7 +284,7 @@ def _largest(values: NDArray[np.float64], rows: NDArray[np.bool_]) -> float:
 
 def _amounts(rows: StartRows) -> str:
     """The worst joints with their violations."""
-    g, G = rows.residual, rows.jacobian()
+    g, G = rows.residual, rows.matrix()
     return listed(
         [
             f"{rows.names[rows.block[row]]!r} by {abs(g[row]):.3g} {rows.unit(row, G)}"

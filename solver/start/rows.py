@@ -7,6 +7,7 @@ linear algebra that happens once, and is done in Python with sparse matrices.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -31,6 +32,10 @@ REFINEMENTS = 10
 
 MET = 1e-14
 """Relative miss of the wanted rates that ends the refinement."""
+
+SMALL = 300
+"""Velocities and rows up to which dense matrices take less time than sparse ones, whose import alone takes longer than
+most small scenes."""
 
 
 class StartRows:
@@ -205,6 +210,19 @@ class StartRows:
         return csr_array((self._system.panels[self._sources], (self._rows, self._columns)), shape=shape)
 
     @property
+    def small(self) -> bool:
+        """Whether dense matrices take less time."""
+        return len(self.free) + len(self.block) <= SMALL
+
+    def matrix(self) -> Any:
+        """`jacobian`, dense where the scene is small."""
+        if not self.small:
+            return self.jacobian()
+        shape = (len(self.block), len(self.inertia))
+        places = self._rows * shape[1] + self._columns
+        return np.bincount(places, weights=self.entries(), minlength=shape[0] * shape[1]).reshape(shape)
+
+    @property
     def entry_rows(self) -> NDArray[np.int64]:
         """Row of each entry of the Jacobian, in the order of `entries`."""
         return self._rows
@@ -226,8 +244,11 @@ class StartRows:
 
     def unit(self, row: int, G: Any) -> str:
         """Unit of the residual of a row: a row that no translation changes is an angle."""
-        columns = G.indices[G.indptr[row] : G.indptr[row + 1]]
-        values = G.data[G.indptr[row] : G.indptr[row + 1]]
+        if isinstance(G, np.ndarray):
+            columns, values = np.arange(G.shape[1]), G[row]
+        else:
+            columns = G.indices[G.indptr[row] : G.indptr[row + 1]]
+            values = G.data[G.indptr[row] : G.indptr[row + 1]]
         firsts = np.searchsorted(self.owner_starts, columns, side="right") - 1
         return "m" if np.any(values[columns - self.owner_starts[firsts] < 3]) else "rad"
 
@@ -256,7 +277,8 @@ class StartRows:
         A = G[rows][:, self.free] * (1.0 / root)[None, :]
         norm = np.sqrt(np.asarray((A * A).sum(axis=1)).ravel())
         norm[norm == 0.0] = 1.0
-        return (A * (1.0 / norm)[:, None]).tocsc(), norm, root
+        unit = A * (1.0 / norm)[:, None]
+        return (unit if isinstance(G, np.ndarray) else unit.tocsc()), norm, root
 
     def closing(
         self,
@@ -289,13 +311,16 @@ class StartRows:
         condition of G; ``G M^-1 G^T`` would have its square, too much for long chains. Redundant rows share
         by the softness, and what it leaves is asked for again.
         """
-        from scipy.sparse import block_array, eye_array
-        from scipy.sparse.linalg import splu
-
         A, norm, root = self.unit_rows(G, rows, self.inertia if inertia is None else inertia)
         count = A.shape[1]
 
         def factor(soft: float) -> Any:
+            if isinstance(A, np.ndarray):
+                dense = np.block([[np.eye(count), -A.T], [A, soft * np.eye(A.shape[0])]])
+                return partial(np.linalg.solve, dense)
+            from scipy.sparse import block_array, eye_array
+            from scipy.sparse.linalg import splu
+
             corner = soft * eye_array(A.shape[0])
             whole = block_array([[eye_array(count), -A.T], [A, corner]], format="csc")
             return splu(whole, permc_spec="MMD_AT_PLUS_A").solve

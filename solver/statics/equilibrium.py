@@ -30,7 +30,7 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.classes import dataclass
 from heavylift.numerics.outcome import InputError
-from heavylift.numerics.threads import one_blas_thread
+from heavylift.numerics.threads import numpy_on_one_thread, one_blas_thread
 from heavylift.solver.start.consistent_start import close_positions, close_velocities, project_start
 from heavylift.solver.start.rows import StartRows
 from heavylift.solver.statics.forces import OneSided, StaticForces
@@ -73,6 +73,9 @@ AIMS = 60
 FARTHEST_CORNER = 1e6
 """Part of a direction beyond which nobody asks for ropes that go taut."""
 
+DEPENDENT = 1e-7
+"""Of a row of unit length, what is along no other one, below which it says nothing new."""
+
 NOTHING = 1e-9
 """Stiffness relative to the largest which is a rounded zero."""
 
@@ -83,7 +86,6 @@ AIMED = 1e-12
 """Part of the work of the forces along a step that ends the rounds."""
 
 
-@one_blas_thread
 def find_equilibrium(rows: StartRows) -> Equilibrium:
     """Bring a scene to rest in a stable equilibrium, with the reactions that belong to it.
 
@@ -100,7 +102,15 @@ def find_equilibrium(rows: StartRows) -> Equilibrium:
     if any(kind.NODAL for kind in rows.layout.bodies):
         from heavylift.solver.statics.mesh_statics import find_mesh_equilibrium
 
-        return find_mesh_equilibrium(rows)
+        return one_blas_thread(find_mesh_equilibrium)(rows)
+    if rows.small:
+        with numpy_on_one_thread():
+            return _find(rows)
+    return one_blas_thread(_find)(rows)
+
+
+def _find(rows: StartRows) -> Equilibrium:
+    """`find_equilibrium` of a scene without meshes."""
     project_start(rows)
     rows.put_velocity(np.zeros(len(rows.inertia)))
     begin = rows.survey()[0]
@@ -108,7 +118,7 @@ def find_equilibrium(rows: StartRows) -> Equilibrium:
     search.run()
     stiffened = [kind for kind in rows.layout.bodies if hasattr(kind, "take_reactions")]
     for _ in range(STIFFENED_ROUNDS if stiffened else 0):
-        pull = rows.jacobian().T @ search.look().reaction
+        pull = search.forces.matrix().T @ search.look().reaction
         if max(kind.take_reactions(pull) for kind in stiffened) <= STIFFENED:
             break
         search.run()
@@ -151,14 +161,14 @@ class _Place:
         """Of what is taut at some elongations."""
         taut = elongation > 0.0
         rows = self.G[taut] * np.sqrt(self.one_sided.stiffness[taut])[:, None]
-        return (rows.T @ rows).tocsc()
+        return _by_columns(rows.T @ rows)
 
 
 class _Search:
     """State of the iteration."""
 
     def __init__(self, rows: StartRows) -> None:
-        self.rows, self.forces = rows, StaticForces(rows)
+        self.rows, self.forces = rows, StaticForces(rows, dense=True)
         self.iterations, self.residual = 0, np.inf
         self.stable: bool | None = None
         self.damping = self.natural = 0.0
@@ -167,7 +177,6 @@ class _Search:
         kind = free - rows.owner_starts[np.searchsorted(rows.owner_starts, free, side="right") - 1]
         self._moves, self._turns = kind < 3, (kind >= 3) & (kind < 6)
 
-    @one_blas_thread
     def run(self) -> None:
         """Continue until nothing is left."""
         forces = self.forces
@@ -210,11 +219,11 @@ class _Search:
         rigid, force = forces.balance(load, G)
         one_sided = forces.one_sided(soft)
         own = G[one_sided.row][:, rows.free] * (one_sided.sense[:, None] / forces.root[None, :])
-        return _Place(force, rigid + soft, one_sided, own.tocsr())
+        return _Place(force, rigid + soft, one_sided, own if isinstance(own, np.ndarray) else own.tocsr())
 
     def _slack(self, place: _Place) -> float:
         """How far ropes are from being taut [m]: scenes sink that far, however small their bodies."""
-        G, one_sided = self.rows.jacobian(), place.one_sided
+        G, one_sided = self.forces.matrix(), place.one_sided
         ways = [
             -e
             for row, e in zip(one_sided.row, one_sided.elongation, strict=True)
@@ -227,7 +236,7 @@ class _Search:
         self.iterations += 1
         inverse = 1.0 / self.forces.root
         K = self.forces.stiffness(reaction, place.one_sided.row)
-        return (K * inverse[:, None] * inverse[None, :]).tocsc()
+        return _by_columns(K * inverse[:, None] * inverse[None, :])
 
     def _is_gone(self) -> bool:
         """Whether a body is too far away from its start."""
@@ -237,9 +246,9 @@ class _Search:
     def _tangent(self) -> Any:
         """Rigid rows of unit length over velocities scaled by the root of the mass."""
         rows = self.rows
-        G = rows.jacobian()[rows.rigid][:, rows.free] * (1.0 / self.forces.root)[None, :]
+        G = self.forces.matrix()[rows.rigid][:, rows.free] * (1.0 / self.forces.root)[None, :]
         norm = np.sqrt(np.asarray((G * G).sum(axis=1)).ravel())
-        return (G * (1.0 / np.where(norm > 0.0, norm, 1.0))[:, None]).tocsc()
+        return _by_columns(G * (1.0 / np.where(norm > 0.0, norm, 1.0))[:, None])
 
     def _start_damping(self, force: NDArray[np.float64], K: Any) -> None:
         """Such that the first step would be of the longest length if there was no stiffness."""
@@ -352,17 +361,19 @@ class _Search:
         if count > DENSE and _is_positive(K, G, shift):
             return 0.0, np.zeros(count)
         if count <= DENSE:
-            basis = np.eye(count)
-            if G.shape[0]:
-                from scipy.linalg import qr
-
-                q, triangle, _ = qr(G.toarray().T, pivoting=True)
-                basis = q[:, np.count_nonzero(np.abs(np.diag(triangle)) > 1e-7) :]
+            rows = G if isinstance(G, np.ndarray) else G.toarray()
+            _, stretches, across = np.linalg.svd(rows)
+            basis = across[np.count_nonzero(stretches > DEPENDENT) :].T
             if not basis.shape[1]:
                 return 0.0, np.zeros(count)
             reduced = basis.T @ (K @ basis)
             values, vectors = np.linalg.eigh(0.5 * (reduced + reduced.T))
-            if values[0] < -shift and _is_circulatory(reduced):
+            if values[0] >= -shift:
+                return float(values[0]), basis @ vectors[:, 0]
+            basis = _null_space(rows)
+            reduced = basis.T @ (K @ basis)
+            values, vectors = np.linalg.eigh(0.5 * (reduced + reduced.T))
+            if _is_circulatory(reduced):
                 values, vectors = np.linalg.eig(reduced)
                 first = int(np.argmin(values.real))
                 direction = vectors[:, first].real
@@ -464,6 +475,23 @@ def _end_of_slope(
     return float(low + (high - low) * a / (a - b)) if a > b else 1.0
 
 
+@one_blas_thread
+def _null_space(rows: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Orthonormal directions along rows of unit length, shape (columns, directions)."""
+    from scipy.linalg import qr
+
+    if not rows.shape[0]:
+        return np.eye(rows.shape[1])
+    q, triangle, _ = qr(rows.T, pivoting=True)
+    found: NDArray[np.float64] = q[:, np.count_nonzero(np.abs(np.diag(triangle)) > DEPENDENT) :]
+    return found
+
+
+def _by_columns(A: Any) -> Any:
+    """A dense matrix as it is, a sparse one by columns."""
+    return A if isinstance(A, np.ndarray) else A.tocsc()
+
+
 def _is_circulatory(K: Any) -> bool:
     """Whether a stiffness is farther from a symmetric one than difference quotients make it."""
     return bool(abs(K - K.T).max() > CIRCULATORY * abs(K).max())
@@ -492,10 +520,24 @@ def _solver(K: Any, G: Any, damping: float) -> Any:
 
     What it finds is no number if the system is singular to the last digit: then more damping is asked for.
     """
+    count, rows = K.shape[0], G.shape[0]
+    if isinstance(K, np.ndarray):
+        size = float(np.abs(K.diagonal() + damping).max())
+        whole = np.zeros((count + rows, count + rows))
+        whole[:count, :count], whole[:count, count:], whole[count:, :count] = K, -size * G.T, size * G
+        whole[range(count), range(count)] += damping
+        whole[range(count, count + rows), range(count, count + rows)] = 1e-11 * size
+
+        def at_once(force: NDArray[np.float64]) -> NDArray[np.float64]:
+            try:
+                return np.linalg.solve(whole, np.concatenate([np.ravel(force), np.zeros(rows)]))[:count]
+            except np.linalg.LinAlgError:
+                return np.full(count, np.nan)
+
+        return at_once
     from scipy.sparse import block_array, eye_array
     from scipy.sparse.linalg import splu
 
-    count, rows = K.shape[0], G.shape[0]
     A = (K + damping * eye_array(count, format="csc")).tocsc()
     if rows:
         size = float(np.abs(A.diagonal()).max())

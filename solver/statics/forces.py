@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.classes import dataclass
+from heavylift.numerics.records import numbers_in
+from heavylift.solver.bodies.frames.base import FrameBodies
 from heavylift.solver.interface import FORCES
 from heavylift.solver.scene.connections import MEASURES
 from heavylift.solver.start.rows import StartRows
@@ -70,6 +72,77 @@ class OneSided:
         return found
 
 
+@dataclass(frozen=True)
+class _Direction:
+    """Bodies that are displaced together.
+
+    Attributes
+    ----------
+    increment, step
+        Of the velocities, shape (dof_count,); its entries that are not zero [m] or [rad].
+    moves
+        Of each kind of bodies, whether some of it are displaced.
+    entries
+        Of the Jacobian, that change.
+    heights
+        Velocities whose loads change; several times if several bodies change them.
+    columns
+        Velocity that is displaced, of all entries, then of all heights.
+    """
+
+    increment: NDArray[np.float64]
+    step: float
+    moves: list[bool]
+    entries: NDArray[np.int64]
+    heights: NDArray[np.int64]
+    columns: NDArray[np.int64]
+
+
+class _MarkerLoads:
+    """``J^T f`` of the markers of a kind of bodies with frames that forces act on.
+
+    Parameters
+    ----------
+    kind
+        The bodies.
+    work
+        With the markers.
+
+    Attributes
+    ----------
+    alone
+        Whether the kind has no other load that changes with its position.
+    """
+
+    def __init__(self, kind: Any, work: Any) -> None:
+        loaded = kind.markers[kind.markers["level"] == FORCES]
+        self._number = np.array(loaded["number"])
+        self._width = work.jacobian.shape[2]
+        windows = kind._windows()  # noqa: SLF001  of a class of this package
+        self._places = windows[loaded["body"]][:, None] + np.arange(self._width)
+        self.alone = type(kind).collect_load is FrameBodies.collect_load
+
+    @staticmethod
+    def of(kind: Any, work: Any) -> _MarkerLoads | None:
+        """None of kinds whose loads of markers are not apart from others."""
+        if isinstance(kind, FrameBodies) and (
+            kind.FLOATS or type(kind).collect_load is FrameBodies.collect_load
+        ):
+            return _MarkerLoads(kind, work)
+        return None
+
+    def add(self, work: Any, load: NDArray[np.float64]) -> None:
+        """To loads (dof_count)."""
+        force = work.markers["force"][self._number]
+        acts = np.flatnonzero(force.any(axis=1))
+        if acts.size:
+            pull = (force[acts, None, :] @ work.jacobian[self._number[acts]])[:, 0]
+            wide = np.bincount(
+                self._places[acts].ravel(), weights=pull.ravel(), minlength=len(load) + self._width
+            )
+            load += wide[: len(load)]
+
+
 class StaticForces:
     """Generalised forces at the present positions, at rest.
 
@@ -77,6 +150,8 @@ class StaticForces:
     ----------
     rows
         The scene; velocities are taken as zero.
+    dense
+        Whether matrices of small scenes are dense; else all are sparse.
 
     Attributes
     ----------
@@ -84,8 +159,12 @@ class StaticForces:
         Extent of the scene [m].
     """
 
-    def __init__(self, rows: StartRows) -> None:
-        self.rows = rows
+    def __init__(self, rows: StartRows, *, dense: bool = False) -> None:
+        self.rows, self._dense = rows, dense and rows.small
+        layout = rows.layout
+        self._fill = fill_at_rest.with_first(
+            layout.bodies, layout.forces, layout.joints, layout.systems, layout.work
+        )
         self._now = self._load = self._kept = 0.0
         inertia, owner = rows.inertia, rows.owner
         places = rows.survey()[0]
@@ -103,6 +182,8 @@ class StaticForces:
         self._widths = np.bincount(owner, minlength=len(firsts))
         self._partners = self._coupled()
         self._colour = self._coloured()
+        self._loaded = [_MarkerLoads.of(kind, layout.work) for kind in layout.bodies]
+        self._ways: list[_Direction] | None = None
 
     def norm(self, force: NDArray[np.float64]) -> float:
         """Norm of generalised forces [N]: moments by the radius of gyration."""
@@ -114,7 +195,7 @@ class StaticForces:
         rows = self.rows
         load, reaction = self._at_rest()
         load[rows.inertia == 0.0] = 0.0
-        G = rows.jacobian()
+        G = self.matrix()
         pull = G.T @ reaction
         pull[rows.inertia == 0.0] = 0.0
         gravity = float(np.linalg.norm(rows.layout.work.sums.gravity))
@@ -138,18 +219,26 @@ class StaticForces:
 
     def _at_rest(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Loads of the bodies (dof_count), and reactions of the rows that are not rigid (rows)."""
-        rows, layout = self.rows, self.rows.layout
-        layout.work.velocity[:] = 0.0
-        fill_at_rest(
-            layout.bodies, layout.forces, layout.joints, layout.systems, layout.work, rows.time, STEP
-        )
-        load = np.zeros(len(rows.inertia))
-        for kind in layout.bodies:
-            kind.collect_load(layout.work, load)
-        soft = ~rows.rigid
-        reaction = np.zeros(len(rows.block))
-        reaction[soft] = 2.0 * rows.column("target")[soft] / (STEP * rows.column("softness")[soft])
+        reaction = self._fill_rows()
+        load = np.zeros(len(self.rows.inertia))
+        for kind in self.rows.layout.bodies:
+            kind.collect_load(self.rows.layout.work, load)
         return load, reaction
+
+    def _fill_rows(self) -> NDArray[np.float64]:
+        """Fill markers, forces and rows; reactions of the rows that are not rigid (rows)."""
+        rows = self.rows
+        rows.layout.work.velocity[:] = 0.0
+        self._fill(rows.time, STEP)
+        reaction = np.zeros(len(rows.block))
+        soft = np.flatnonzero(~rows.rigid)
+        if soft.size:
+            reaction[soft] = 2.0 * rows.column("target")[soft] / (STEP * rows.column("softness")[soft])
+        return reaction
+
+    def matrix(self) -> Any:
+        """Jacobian of the rows, as the matrices of this problem are: dense or sparse."""
+        return self.rows.matrix() if self._dense else self.rows.jacobian()
 
     def balance(self, load: NDArray[np.float64], G: Any) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Reactions of the rigid joints (rows) that leave the smallest force, and that force (dof_count)."""
@@ -177,7 +266,7 @@ class StaticForces:
         return OneSided(found.row[kept], sense[kept], elongation[kept], stiffness[kept])
 
     def stiffness(self, reaction: NDArray[np.float64], given: NDArray[np.int64] | None = None) -> Any:
-        """Minus the derivative of all forces by the positions; sparse, free velocities.
+        """Minus the derivative of all forces by the positions, of the free velocities.
 
         Parameters
         ----------
@@ -192,59 +281,114 @@ class StaticForces:
         M. J. D. Powell and J. K. Reid, IMA J. Applied Mathematics 13, 1974): the sides of a row say which of them it is
         that changes it.
         """
-        from scipy.sparse import csc_array
-
-        rows = self.rows
-        count = len(rows.inertia)
+        rows, size = self.rows, len(self.rows.free)
         kept = rows.rigid
         kept[given if given is not None else []] = True
-        line, dof = rows.entry_rows, rows.entry_columns
-        parts: list[tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]]] = []
+        line = rows.entry_rows
+        if self._ways is None:
+            self._ways, self._carried = [*self._directions()], self._moved_arrays()
+            self._pattern = self._places()
         before = rows.snapshot()
+        here = [[(array, array.copy()) for array in arrays] for arrays in self._carried]
+        values: list[NDArray[np.float64]] = []
+        for way in self._ways:
+            found = []
+            for sign in (1.0, -1.0):
+                for kind, moves in zip(rows.layout.bodies, way.moves, strict=True):
+                    if moves:
+                        kind.move(sign * way.increment)
+                load, soft = self._changing(way)
+                found.append((rows.entries() * np.where(kept, reaction, soft)[line], load))
+                for place, moves in zip(here, way.moves, strict=True):
+                    if moves:
+                        rows.restore(place)
+            pull, load = (0.5 / way.step * (second - first) for first, second in zip(*found, strict=True))
+            values += pull[way.entries], load[way.heights]
+        rows.restore(before)
+        row, column, used = self._pattern
+        found_values = np.concatenate(values)[used] if values else np.zeros(0)
+        if self._dense:
+            return np.bincount(row * size + column, weights=found_values, minlength=size * size).reshape(
+                size, size
+            )
+        from scipy.sparse import csc_array
+
+        return csc_array((found_values, (row, column)), shape=(size, size))
+
+    def _directions(self) -> Iterator[_Direction]:
+        """What is displaced together, one after the other."""
+        rows = self.rows
+        line, count = rows.entry_rows, len(rows.inertia)
         for colour in range(int(self._colour.max(initial=-1)) + 1):
             bodies = np.flatnonzero(self._colour == colour)
             displaced = np.append(np.full(len(rows.block_owner), -1), -1)
             for body in bodies:
                 displaced[self._blocks[body]] = body
             by = displaced[rows.block[line]]
-            touched = np.flatnonzero(by >= 0)
             for k in range(int(self._widths[bodies].max())):
                 wide = bodies[self._widths[bodies] > k]
                 columns = self._firsts[wide] + k
                 columns = columns[rows.inertia[columns] > 0.0]
                 if not columns.size:
                     continue
+                entries = np.flatnonzero(by >= 0)
+                entries = entries[k < self._widths[by[entries]]]
+                heights = [self._partners[body] for body in wide]
                 step = DIFFERENCE * (self.size if k < 3 else 1.0)
                 increment = np.zeros(count)
                 increment[columns] = step
-                found = []
-                for way in (1.0, -2.0):
-                    rows.move(way * increment)
-                    load, soft = self._at_rest()
-                    found.append((rows.entries() * np.where(kept, reaction, soft)[line], load))
-                rows.move(increment)
-                pull, load = ((there - here) / (2.0 * step) for here, there in zip(*found, strict=True))
-                owner = by[touched]
-                parts.append(
-                    (
-                        dof[touched],
-                        self._firsts[owner] + k,
-                        np.where(k < self._widths[owner], pull[touched], 0.0),
-                    )
+                moved = set(wide.tolist())
+                moves = [bool(moved & set(kind.table["number"].tolist())) for kind in rows.layout.bodies]
+                yield _Direction(
+                    increment,
+                    step,
+                    moves,
+                    entries,
+                    np.concatenate(heights),
+                    np.concatenate(
+                        [
+                            self._firsts[by[entries]] + k,
+                            *(
+                                np.full(len(h), self._firsts[b] + k)
+                                for h, b in zip(heights, wide, strict=True)
+                            ),
+                        ]
+                    ),
                 )
-                for body in wide:
-                    height = self._partners[body]
-                    parts.append((height, np.full(len(height), self._firsts[body] + k), load[height]))
-        rows.restore(before)
-        place = np.full(count, -1)
+
+    def _moved_arrays(self) -> list[list[NDArray[np.float64]]]:
+        """Arrays of each kind of bodies that a displacement changes."""
+        found = []
+        for kind in self.rows.layout.bodies:
+            before = [(array, array.copy()) for array in numbers_in(kind)]
+            kind.move(np.full(len(self.rows.inertia), DIFFERENCE))
+            found.append([array for array, content in before if array.tobytes() != content.tobytes()])
+            self.rows.restore(before)
+        return found
+
+    def _places(self) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
+        """Row and column of what the directions find, over free velocities; which of it has one."""
+        assert self._ways is not None
+        rows, nothing = self.rows, np.zeros(0, dtype=np.int64)
+        place = np.full(len(rows.inertia), -1)
         place[rows.free] = np.arange(len(rows.free))
-        shape = (len(rows.free), len(rows.free))
-        if not parts:
-            return csc_array(shape)
-        row, column, value = (np.concatenate(part) for part in zip(*parts, strict=True))
-        row, column = place[row], place[np.minimum(column, count - 1)]
-        good = (row >= 0) & (column >= 0)
-        return csc_array((value[good], (row[good], column[good])), shape=shape)
+        height = [part for way in self._ways for part in (rows.entry_columns[way.entries], way.heights)]
+        row = place[np.concatenate([*height, nothing])]
+        column = place[np.concatenate([*(way.columns for way in self._ways), nothing])]
+        used = np.flatnonzero((row >= 0) & (column >= 0))
+        return row[used], column[used], used
+
+    def _changing(self, way: _Direction) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Of `_at_rest` what changes with a displacement: of bodies that stay, forces on their markers."""
+        load = np.zeros(len(self.rows.inertia))
+        reaction = self._fill_rows()
+        work = self.rows.layout.work
+        for kind, loaded, moves in zip(self.rows.layout.bodies, self._loaded, way.moves, strict=True):
+            if loaded is None or (moves and not loaded.alone):
+                kind.collect_load(work, load)
+            else:
+                loaded.add(work, load)
+        return load, reaction
 
     def _coupled(self) -> list[NDArray[np.int64]]:
         """Velocities whose loads change with each body: its own, and those of all between which forces act."""

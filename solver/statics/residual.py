@@ -31,7 +31,7 @@ def residual_at_rest(rows: StartRows) -> float:
         from heavylift.solver.statics.problem import measure
 
         return float(measure(MeshSystem(rows), 1.0, reaction[rows.rigid]).residual)
-    forces = StaticForces(rows)
+    forces = StaticForces(rows, dense=True)
     force, G, _ = forces.evaluate()
     rigid = rows.rigid
     force = force + G.T @ np.where(rigid, reaction, 0.0)

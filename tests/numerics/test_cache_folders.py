@@ -13,7 +13,7 @@ from numba import config
 
 from heavylift.numerics import objects, sources
 from heavylift.numerics.arrays import Floats1
-from heavylift.numerics.jit import cache_folder
+from heavylift.numerics.jit_code import cache_folder
 from heavylift.numerics.objects import entry, is_compiled, load_unit
 from heavylift.numerics.sources import distrusted, made_folder
 

@@ -5,11 +5,10 @@ from typing import Annotated, Any, TypeVar, get_origin
 
 import numpy as np
 import pytest
-from numba.core import types
 from numpy.typing import NDArray
 from typing_extensions import TypeAliasType
 
-from heavylift.numerics.arrays import Arrays, numba_type
+from heavylift.numerics.arrays import Arrays, ArrayType, kernel_type
 from heavylift.numerics.hints import array_scalar, unaliased
 from heavylift.numerics.quantity import Quantity, Shape
 from heavylift.numerics.records import Record
@@ -37,7 +36,7 @@ def test_names_that_stand_for_nothing_else_stay() -> None:
 
 
 def test_kernels_see_an_array_of_the_same_type() -> None:
-    assert numba_type(Annotated[Named[np.int64], 2]) == types.Array(types.int64, 2, "C")
+    assert kernel_type(Annotated[Named[np.int64], 2]) == ArrayType(np.int64, 2)
 
     class Row(Record):
         """A row."""

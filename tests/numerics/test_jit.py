@@ -13,8 +13,9 @@ import numba
 import numpy as np
 import pytest
 
-from heavylift.numerics import jit, sources
-from heavylift.numerics.jit import KEPT_CACHES, cache_folder, kernel
+from heavylift.numerics import jit, jit_code, sources
+from heavylift.numerics.jit import kernel
+from heavylift.numerics.jit_code import KEPT_CACHES, cache_folder
 from heavylift.numerics.sources import closure, closure_digest
 
 if TYPE_CHECKING:
@@ -44,7 +45,7 @@ import json, os, sys
 os.environ["NUMBA_CACHE_DIR"] = sys.argv[1]  # of the control experiment
 from heavylift.solver.caller import weight
 from heavylift.plain.caller import weight as plain_weight
-import heavylift.numerics.jit as jit
+import heavylift.numerics.jit_code as jit
 result = [[f(2.0), sum(f.stats.cache_hits.values())] for f in (weight, plain_weight)]
 print(json.dumps([*result, str(jit.cache_folder("heavylift.solver.caller"))]))
 """
@@ -61,7 +62,7 @@ class Package:
         (folder / "heavylift" / "__init__.py").write_text(
             ""
         )  # else an installed package would be found first
-        for module in (jit, sources):
+        for module in (jit, jit_code, sources):
             shutil.copy(str(module.__file__), numerics)
         (folder / "program.py").write_text(PROGRAM)
         self.variants = {

@@ -278,3 +278,28 @@ def test_the_name_of_an_object_holds_the_layout_of_what_it_is_handed() -> None:
         weighted_sum.unit, entries={"f": (weighted_sum.kernel, (*types_of, Reference(Pair)), None)}
     )
     assert objects._place(other) != objects._place(weighted_sum.unit)
+
+
+@compiled_only
+def test_settings_that_nobody_changed_are_the_same_with_and_without_the_compiler() -> None:
+    """Else an object that was made with it would not be found without it."""
+    from heavylift.numerics.jit import with_compiler
+
+    usual = all(not name.startswith("NUMBA_") for name in os.environ)
+    assert (with_compiler().settings() == objects.USUAL) or not usual
+
+
+@compiled_only
+def test_what_an_object_needs_of_the_compiler_is_given_before_it_is_loaded(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("HEAVYLIFT_CACHE_DIR", str(tmp_path))
+    monkeypatch.setattr(objects, "_LOADED", {})
+    names, _, code = objects._compile(weighted_sum.unit).partition(b"\0")
+    asked: list[bool] = []
+    helpers = objects.with_compiler()
+    monkeypatch.setattr(helpers, "give_helpers", lambda: asked.append(True))
+    for more, count in ((b"", 0), (b"\nnumba_is_unknown_here", 1)):
+        asked.clear()
+        assert objects._load(names + more + b"\0" + code, weighted_sum.unit)
+        assert len(asked) == count

@@ -16,6 +16,7 @@ from heavylift.numerics.rotation import (
     rotate_by_exponential,
     rotate_by_quaternion,
     rotation_matrix,
+    turned_by,
     write_rotation_matrix,
 )
 
@@ -50,6 +51,12 @@ def test_product_is_the_product_of_matrices() -> None:
         np.testing.assert_allclose(both, rotation_matrix(a) @ rotation_matrix(b), atol=1e-15)
         expected = Rotation.from_quat(a, scalar_first=True) * Rotation.from_quat(b, scalar_first=True)
         np.testing.assert_allclose(both, expected.as_matrix(), atol=1e-15)
+
+
+def test_a_vector_turned_by_quaternions_of_any_length() -> None:
+    q = Rotation.random(10, random_state=3).as_quat(scalar_first=True)
+    expected = Rotation.from_quat(q, scalar_first=True).apply(AXES[-1])
+    np.testing.assert_allclose(turned_by(3.0 * q, AXES[-1]), expected, atol=2e-15)
 
 
 def test_matrix_of_any_length_and_vector_rotation() -> None:

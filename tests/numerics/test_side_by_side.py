@@ -130,3 +130,44 @@ def test_bodies_are_the_same_and_told_in_the_same_order(tmp_path, monkeypatch, c
     assert files[0] == files[1]
     assert len(files[0]) == 6
     assert said[0] == said[1]
+
+
+def test_surfaces_are_the_same_and_told_in_the_same_order(tmp_path, monkeypatch, capsys):
+    """Two files and a shape; then one file has no triangles, which is told as by one process."""
+    import trimesh
+
+    from heavylift.pipeline.log import Log
+
+    text = 'title = "Surfaces"\n'
+    for name in ("ball", "egg", "box"):
+        text += f'[bodies.{name}]\ntype = "rigid"\nmass = 10\ninertia = [1, 1, 1]\nframe = {{ motion = "free" }}\n'
+        shape = (
+            'shape = { type = "box", size = [1, 1, 1] }'
+            if name == "box"
+            else f'file = "{name}.stl"\nunit = "m"'
+        )
+        text += f'[[surfaces]]\nname = "skin_{name}"\nbody = "{name}"\n{shape}\n'
+    (tmp_path / "case.toml").write_text(text)
+    for name, fineness in (("ball", 3), ("egg", 2)):
+        trimesh.creation.icosphere(fineness).export(tmp_path / f"{name}.stl")
+
+    def run(count):
+        monkeypatch.setenv(PROCESSES, count)
+        out = tmp_path / count
+        run_case(load_case(tmp_path), out=out, stages=("mesh",), log=Log(), force=("mesh",))
+        return {p.relative_to(out): p.read_bytes() for p in out.rglob("*.npz")}
+
+    files, said = [], []
+    for count in ("1", "2"):
+        files.append(run(count))
+        said.append([line.rpartition(";")[0] for line in capsys.readouterr().out.splitlines()])
+    assert files[0] == files[1]
+    assert len(files[0]) == 3
+    assert said[0] == said[1]
+    (tmp_path / "egg.stl").write_text("solid egg\nendsolid egg\n")
+    errors = []
+    for count in ("1", "2"):
+        with pytest.raises(InputError, match=r"egg\.stl") as error:
+            run(count)
+        errors.append(str(error.value))
+    assert errors[0] == errors[1]

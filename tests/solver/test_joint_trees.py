@@ -195,6 +195,26 @@ def test_trees_stand_on_bodies_that_are_held(monkeypatch: pytest.MonkeyPatch) ->
     assert_same(Scene(tuple(bodies), (Gravity(GRAVITY),), (), tuple(joints)), 4, 2e-8, monkeypatch)
 
 
+@pytest.mark.parametrize(("start", "speed", "told_from_below"), [(3.0, 40.0, False), (-3.1, -25.0, True)])
+def test_whole_turns_are_counted(start: float, speed: float, told_from_below: bool) -> None:
+    """A wheel turns on at its speed: the angle is that of the start, within half a turn, plus speed times time."""
+    turn = Rotation.from_rotvec([0.0, 0.0, start])
+    wheel = RigidBody(
+        "wheel", 2.0, np.diag([0.2, 0.3, 0.5]), orientation=turn.as_quat(scalar_first=True),
+        angular_velocity=np.array([0.0, 0.0, speed]),
+    )  # fmt: skip
+    ends = ("wheel", GROUND) if told_from_below else (GROUND, "wheel")
+    frames = {"frame_a": JointFrame(np.zeros(3)), "frame_b": JointFrame(np.zeros(3))}
+    axle = Hinge(name="axle", body_a=ends[0], body_b=ends[1], **frames)
+    simulation = Simulation(Scene((wheel,), (), (), (axle,)), 0.02, "accurate", tolerance=1e-8)
+    records = np.vstack([simulation.record(), simulation.advance(50)[1]])
+    column = {channel.name: channel.column for channel in simulation.channels}
+    sign = -1.0 if told_from_below else 1.0
+    exact = sign * (start + speed * 0.02 * np.arange(51))
+    np.testing.assert_allclose(records[:, column["axle.angle"]], exact, rtol=0.0, atol=1e-7)
+    np.testing.assert_allclose(records[:, column["axle.angular_rate"]], sign * speed, rtol=1e-9)
+
+
 @pytest.mark.parametrize("loops", [0, 1])
 def test_trees_go_on_bit_for_bit(loops: int) -> None:
     types = (Hinge, Ball, Distance, Hinge)

@@ -205,6 +205,21 @@ def test_stiffness_is_that_of_differences_body_by_body() -> None:
     assert np.abs(kept + stretch - expected).max() < 1e-6 * np.abs(expected).max()
 
 
+def test_dense_and_sparse_matrices_find_the_same_place(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Springs, ropes, a loop with redundant rows: whatever the size from which matrices are sparse."""
+    chain = linkage([(4, 0, 0), (5, -1, 0), (6, -1, 0), (7, 0, 0)])
+    scene = hung(1.82)
+    both = replace(scene, bodies=(*scene.bodies, *chain.bodies), joints=chain.joints)
+    found = []
+    for small in (0, 10_000):
+        monkeypatch.setattr("heavylift.solver.start.rows.SMALL", small)
+        rows = rows_of(both)
+        assert find_equilibrium(rows).residual < 1e-11
+        found.append((rows.survey()[0], rows.column("reaction")))
+    np.testing.assert_allclose(found[0][0], found[1][0], atol=1e-10)
+    np.testing.assert_allclose(found[0][1], found[1][1], atol=1e-7)
+
+
 def test_modes_of_a_fixed_flexible_body_sag() -> None:
     """``q = S^T R^T g / k`` with S the modal momenta: every mode for itself."""
     cloud = make_cloud(rigid_part=0.3)

@@ -251,7 +251,7 @@ class CraneCriterion(LoadedCriterion):
         body = self.reach.centre.body
         up = np.tile(run.up, (len(run.times), 1))
         if body != GROUND:
-            up = np.asarray(run.rotations(body).apply(np.array([0.0, 0.0, 1.0])))
+            up = run.turned(body, (0.0, 0.0, 1.0))
         out = out - np.sum(out * up, axis=1, keepdims=True) * up
         length = np.linalg.norm(out, axis=1, keepdims=True)
         if not (length > 0.0).all():

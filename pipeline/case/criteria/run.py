@@ -75,8 +75,8 @@ class Run(ABC):
         """Of how many steps or records extremes are; records if they differ."""
 
     @abstractmethod
-    def rotations(self, body: str) -> Any:
-        """From the axes of a body to those of the world, at all times."""
+    def turned(self, body: str, vector: Sequence[float] | NDArray[np.float64]) -> NDArray[np.float64]:
+        """A vector in the axes of a body in those of the world, shape (nt, 3)."""
 
     @abstractmethod
     def place(self, body: str, point: Sequence[float]) -> NDArray[np.float64]:

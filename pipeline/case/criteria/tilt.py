@@ -35,7 +35,7 @@ class TiltCriterion(CriterionSection):
     def judge(self, run: Run) -> list[CriterionResult]:
         """Largest angle."""
         axis = np.array(self.axis, dtype=np.float64)
-        axes = np.asarray(run.rotations(self.body).apply(axis / np.linalg.norm(axis)))
+        axes = run.turned(self.body, axis / np.linalg.norm(axis))
         angle = np.arctan2(np.linalg.norm(np.cross(axes, run.up), axis=1), axes @ run.up)
         clause = OF_THE_CASE
         return [

@@ -13,9 +13,8 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from llvmlite import ir
-from numba.core import cgutils
-from numba.extending import intrinsic
 
+from heavylift.numerics.jit import intrinsic
 from heavylift.numerics.vector_code import VectorCode, vector_code
 from heavylift.solver.bodies.ancf.shell_data import (
     LANES,
@@ -110,7 +109,7 @@ def lines(code: VectorCode, tables: Any) -> Any:
     """Loop over the lines of Gauss points."""
     integer = ir.IntType(64)
     place = code.builder.bitcast(code.at(tables, COUNT), integer.as_pointer())
-    return cgutils.for_range(code.builder, code.builder.load(place, typ=integer))
+    return code.repeat(code.builder.load(place, typ=integer))
 
 
 def add_to_nodes(
@@ -157,7 +156,7 @@ def write_forces(
     totals = {}
     for k in range(3):
         sums = contracted(code, tables, data, nodes, (k,))
-        places = [cgutils.alloca_once_value(code.builder, code.constant(0.0)) for _ in range(8)]
+        places = [code.variable(code.constant(0.0)) for _ in range(8)]
         with lines(code, tables) as loop:
             functions = code.line(tables, XI, loop.index, 8)
             (a,), (b,) = slopes_of_line(code, functions, sums)
@@ -282,11 +281,7 @@ def add_element_pressure(  # type: ignore[no-untyped-def]
 
     def write(code: VectorCode, tables: Any, data: Any, nodes: Any, forces: Any, factor: Any) -> None:
         sums = contracted(code, tables, data, nodes)
-        places = {
-            (i, k): cgutils.alloca_once_value(code.builder, code.constant(0.0))
-            for i in range(4)
-            for k in range(3)
-        }
+        places = {(i, k): code.variable(code.constant(0.0)) for i in range(4) for k in range(3)}
         weights = code.load(tables, WEIGHTS)
         with lines(code, tables) as loop:
             functions = code.line(tables, XI, loop.index, 8)

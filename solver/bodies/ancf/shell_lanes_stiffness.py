@@ -16,9 +16,8 @@ from typing import Any
 
 import numpy as np
 from llvmlite import ir
-from numba.core import cgutils
-from numba.extending import intrinsic
 
+from heavylift.numerics.jit import intrinsic
 from heavylift.numerics.vector_code import VectorCode, vector_code
 from heavylift.solver.bodies.ancf.kind import SHELL_PAIRS
 from heavylift.solver.bodies.ancf.shell_data import (
@@ -186,12 +185,12 @@ def _write_expanded(
     along_eta = code.multiply(along_j, along_l)
     over_xi = code.memory(36)
 
-    with cgutils.for_range(builder, ir.Constant(ir.IntType(64), len(XI_PAIRS))) as pair:
+    with code.repeat(ir.Constant(ir.IntType(64), len(XI_PAIRS))) as pair:
         functions = code.line(tables, PAIRS, pair.index, 4 * LANES)
         # types 11 and 22 first, then 12 and 21: so many sums fit into the registers
         for kinds in ((0, 3), (1, 2)):
             sources = _sources(kinds)
-            totals = [cgutils.alloca_once_value(builder, code.constant(0.0)) for _ in sources]
+            totals = [code.variable(code.constant(0.0)) for _ in sources]
             with lines(code, tables) as loop:
                 numbers = code.line(functions, 0, loop.index, 4)
                 factors = {kind: code.spread(code.number(numbers, kind)) for kind in kinds}
@@ -202,7 +201,7 @@ def _write_expanded(
             for (kind, (p, q), _), total in zip(sources, totals, strict=True):
                 code.store(builder.load(total, typ=code.vector), over_xi, 8 * (9 * kind + 3 * p + q))
 
-        parts = [[cgutils.alloca_once_value(builder, code.constant(0.0)) for _ in range(2)] for _ in range(9)]
+        parts = [[code.variable(code.constant(0.0)) for _ in range(2)] for _ in range(9)]
         with lines(code, tables) as lane:
             products = code.line(tables, PRODUCTS, lane.index, 64)
             numbers = code.at(over_xi, lane.index)
@@ -234,12 +233,12 @@ def _write_blocks(code: VectorCode, expanded: Any, places: Any, blocks: Any, ord
     def constant(value: int) -> Any:
         return ir.Constant(integer, value)
 
-    with cgutils.for_range(builder, constant(len(SHELL_PAIRS))) as pair:
+    with code.repeat(constant(len(SHELL_PAIRS))) as pair:
         column = builder.mul(pair.index, constant(2))
         place = whole(places, column)
         swap = whole(places, builder.add(column, constant(1)))
         first = builder.mul(builder.add(column, swap), constant(ROWS * ROWS))
-        with cgutils.for_range(builder, constant(ROWS)) as row:
+        with code.repeat(constant(ROWS)) as row:
             target = code.at(blocks, builder.add(place, builder.mul(row.index, constant(COLUMNS))))
             source = builder.add(first, builder.mul(row.index, constant(ROWS)))
             for begin, lanes in ((0, 8), (8, 4)):

@@ -7,7 +7,7 @@ import math
 from heavylift.numerics.jit import kernel
 from heavylift.solver.bodies.frames.base import FrameBodies
 from heavylift.solver.bodies.frames.motion import body_with
-from heavylift.solver.contact.interface import bound_motion, pose_contours, put_contour_rows
+from heavylift.solver.contact.interface import bound_motion, keep_places, pose_contours, put_contour_rows
 from heavylift.solver.contact.kind import OF_MODAL_FACETS, OF_MODES, OF_RIGID, ContactRows
 from heavylift.solver.contact.search.contour_rows import put_frame_rows
 from heavylift.solver.interface import Workspace
@@ -64,3 +64,25 @@ def bound_frame_motion(kind: FrameBodies, contacts: ContactRows, step: float, wo
         if owner_of(kind, contacts, contour) >= 0:
             dof, reach = contacts.contours[contour].dof, contacts.poses[contour].reach
             contacts.poses[contour].step_shift = step * frame_speed(dof, reach, work)
+
+
+@implement(keep_places, FrameBodies)
+@kernel(internal=True)
+def keep_frame_places(kind: FrameBodies, contacts: ContactRows, back: bool) -> None:
+    """Position and quaternion."""
+    for i in range(contacts.slept.shape[0]):
+        slept = contacts.slept[i]
+        body = body_with(kind, contacts.sleepers[i].dof) if slept.island > 0 else -1
+        if body < 0:
+            continue
+        frame = kind.frame[body]
+        if back:
+            for k in range(3):
+                frame.position[k] = slept.position[k]
+            for k in range(4):
+                frame.orientation[k] = slept.orientation[k]
+        else:
+            for k in range(3):
+                slept.position[k] = frame.position[k]
+            for k in range(4):
+                slept.orientation[k] = frame.orientation[k]

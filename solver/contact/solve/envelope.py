@@ -130,17 +130,21 @@ def find_reach(
 
 
 @kernel(internal=True)
-def factor_near_diagonal(size: int, A: NDArray[np.float64], reach: NDArray[np.float64]) -> bool:
+def factor_near_diagonal(
+    size: int, low: int, high: int, A: NDArray[np.float64], reach: NDArray[np.float64]
+) -> bool:
     """Factor ``A = L U`` in place, reciprocals of pivots on the diagonal; False if a pivot is small.
 
     Parameters
     ----------
     size, A
         Square matrix, row by row.
+    low, high
+        The part of it, from one row on up to another one, that is coupled to no other.
     reach
         See `find_reach`.
     """
-    for k in range(size):
+    for k in range(low, high):
         pivot = A[k * size + k]
         if not (abs(pivot) >= SMALLEST_PIVOT and abs(pivot) < np.inf):
             return False
@@ -159,14 +163,19 @@ def factor_near_diagonal(size: int, A: NDArray[np.float64], reach: NDArray[np.fl
 
 @kernel(internal=True, reassociate=True)
 def solve_near_diagonal(
-    size: int, A: NDArray[np.float64], reach: NDArray[np.float64], x: NDArray[np.float64]
+    size: int,
+    low: int,
+    high: int,
+    A: NDArray[np.float64],
+    reach: NDArray[np.float64],
+    x: NDArray[np.float64],
 ) -> None:
     """Solve with these factors, in place."""
-    for k in range(size):
+    for k in range(low, high):
         value = x[k]
         for i in range(k + 1, int(reach[k]) + 1):
             x[i] -= A[i * size + k] * value
-    for i in range(size - 1, -1, -1):
+    for i in range(high - 1, low - 1, -1):
         total = x[i]
         for j in range(i + 1, int(reach[i]) + 1):
             total -= A[i * size + j] * x[j]

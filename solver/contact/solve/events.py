@@ -14,12 +14,13 @@ from __future__ import annotations
 import math
 
 from heavylift.numerics.jit import kernel
-from heavylift.solver.contact.copying import copy_carried
+from heavylift.solver.contact.copying import put_back, save
 from heavylift.solver.contact.counts import contact_count
 from heavylift.solver.contact.interface import bound_motion, pose_contours, settle_points
 from heavylift.solver.contact.kind import COMPLIANT, CURVE, RIGID, TRIANGLES, ContactRows
 from heavylift.solver.contact.laws.normal_force import stored_energy
 from heavylift.solver.contact.search.contact_kinematics import locate
+from heavylift.solver.contact.solve.asleep import hold_places, let_sleep, note_balance, rests, wake_reached
 from heavylift.solver.contact.solve.delassus import contact_rates
 from heavylift.solver.contact.solve.stage import NEAR, looks_ahead, slip_energy
 from heavylift.solver.contact.system_interface import after_step, before_advance, go_back
@@ -70,14 +71,15 @@ def gap_tolerance(contacts: ContactRows, c: int, rate: float) -> float:
 @kernel(internal=True)
 def before_contact_advance(contacts: ContactRows, bodies: Bodies, work: Workspace, step: float) -> None:
     """Copy of the state; then what the contacts do at the velocities of the middle."""
-    contacts.control.known = contact_count(contacts)
-    copy_carried(contacts, contacts.carried, contacts.saved)
+    save(contacts)
     add_row_work(bodies, 2.0, work, contacts)
     bound_motion(bodies, contacts, step, work)
     contacts.control.stopping_work = 0.0
+    note_balance(contacts, work, step)
     for c in range(contact_count(contacts)):
-        _book_middle(contacts, c, work, step)
-        contacts.state[c].shift = _shift(contacts, c, work, step)
+        if not rests(contacts, c):
+            _book_middle(contacts, c, work, step)
+            contacts.state[c].shift = _shift(contacts, c, work, step)
 
 
 @kernel(internal=True)
@@ -153,6 +155,7 @@ def end_contact_rows(
 ) -> None:
     """Search where a gap may have closed; ask for a shorter step if one without compliance has."""
     posed = False
+    hold_places(contacts, bodies)
     for c in range(contacts.counts.of_contours):
         state = contacts.state[c]
         asleep, steady = state.sleep > 0.0, state.located
@@ -184,6 +187,9 @@ def end_contact_rows(
             pose_contours(bodies, False, contacts)
             posed = True
         search_surfaces(contacts.meshes, contacts, bodies, work, step, False)
+        if wake_reached(contacts):
+            work.control.split = step  # again, with what has slept until now
+            return
         _repeat_with_found(contacts, work, step)
     if posed:
         settle_points(bodies, (), False, work)
@@ -197,6 +203,8 @@ def _repeat_with_found(contacts: ContactRows, work: Workspace, step: float) -> N
     So has what was near, but not so near that its surfaces could have met as they moved before.
     """
     for c in range(contacts.counts.of_contours, contact_count(contacts)):
+        if rests(contacts, c):
+            continue
         early = looks_ahead(contacts, c) or contacts.table[c].law == COMPLIANT
         if c < contacts.control.known:
             early = contacts.table[c].law == RIGID and not contacts.table[c].events
@@ -270,6 +278,8 @@ def _find_impact(contacts: ContactRows, work: Workspace, step: float) -> None:
         state = contacts.state[c]
         if contacts.table[c].law != RIGID or not contacts.table[c].events or state.closed:
             continue
+        if rests(contacts, c):
+            continue
         if state.passed > 0.0 and state.end_gap > 0.0 and state.recent_impacts < MOST_EVENTS:
             passing = min(passing, state.passed * step)
         if state.end_gap > 0.0 or state.recent_impacts >= MOST_EVENTS:
@@ -327,7 +337,8 @@ def _mark_joining(contacts: ContactRows, step: float, work: Workspace) -> None:
     for c in range(contacts.counts.of_contours, contact_count(contacts)):
         state = contacts.state[c]
         joins = False
-        if contacts.table[c].law == RIGID and contacts.table[c].events and not state.closed:
+        moves = not state.closed and not rests(contacts, c)
+        if contacts.table[c].law == RIGID and contacts.table[c].events and moves:
             rate = contact_rates(contacts, c, work.velocity)[0]
             inside = state.end_gap < -gap_tolerance(contacts, c, rate)
             joins = inside and not _hits_at_once(contacts, c) and _never_leaves(contacts, c, step, rate)
@@ -367,7 +378,7 @@ def _next_time(contacts: ContactRows, work: Workspace, step: float) -> None:
 def go_back_to_copy(contacts: ContactRows) -> None:
     """All that the step has changed; a contact that touches joins the closed ones."""
     keep_found(contacts.meshes, contacts, True)
-    copy_carried(contacts, contacts.saved, contacts.carried)
+    put_back(contacts)
     keep_found(contacts.meshes, contacts, False)
     joins = contacts.control.joins
     if joins >= 0:
@@ -391,6 +402,7 @@ def after_contact_step(
     control.watched = -1
     control.low = control.high = 0.0
     if whole:
+        let_sleep(contacts, bodies)
         control.splits = 0
         control.effort = 0.0
         if control.exhausted:

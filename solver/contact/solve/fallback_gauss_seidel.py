@@ -155,9 +155,10 @@ def sweep_contacts(
     found, sweeps, residual
         As of Newton's method.
     """
-    count, size = problem.counts.number, problem.counts.size
-    y = work.x
-    for row in range(3 * count):
+    counts, size = problem.counts, problem.counts.high - problem.counts.low
+    first, past = counts.first, counts.last
+    count, y = past - first, work.x
+    for row in range(3 * first, 3 * past):
         if not abs(p[row]) < np.inf:
             p[row] = 0.0
         work.kept[row] = _response(problem, work, row, y)
@@ -171,11 +172,11 @@ def sweep_contacts(
             residual = measure(problem, work, p)
             if residual <= ACCEPTED or sweep == last:
                 return residual <= ACCEPTED, sweep, residual
-            for i in range(size):
+            for i in range(counts.low, counts.high):
                 y[i] = work.y0[i] if work.marks.unit_mass else problem.start[i]
-            for row in range(3 * count):
+            for row in range(3 * first, 3 * past):
                 if p[row] != 0.0:
                     _push(problem, work, row, p[row], y)
-        for c in range(count):
+        for c in range(first, past):
             _solve_contact(problem, work, c, p, y)
     return False, last, residual

@@ -79,14 +79,15 @@ def share_redundant(
     found, iterations, residual
         As of `iterate`; found also if steps gain nothing more at a residual that `SHARED` allows.
     """
-    n, shared, stalled, stalls = 3 * problem.counts.number, 0.0, 0.0, 0
+    start, past = 3 * problem.counts.first, 3 * problem.counts.last
+    shared, stalled, stalls = 0.0, 0.0, 0
     if work.marks.scale > 0.0:
         matters, free = SHARED * problem.counts.least_rate, problem.counts.free_rate
         shared = min(matters, SHARED_OF_FREE * free) / work.marks.scale
         stalled = min(matters, STALLED_OF_FREE * free) / work.marks.scale
     total, before, residual, tau = 0, np.inf, np.inf, SHARING
     kept = work.kept
-    for i in range(n):
+    for i in range(start, past):
         kept[i] = p[i]
     for _ in range(SHARINGS):
         if total >= most:
@@ -98,12 +99,12 @@ def share_redundant(
             if tau >= ALONE:
                 return False, total, np.inf
             tau *= 10.0
-            for i in range(n):
+            for i in range(start, past):
                 p[i] = kept[i]
             continue
         fill_rows(problem, work, 0.0, kept)
         before, residual = residual, measure(problem, work, p)
-        for i in range(n):
+        for i in range(start, past):
             kept[i] = p[i]
         gains = residual < 0.5 * before
         stalls = 0 if gains else stalls + 1
@@ -113,7 +114,7 @@ def share_redundant(
             total += iterations
             if found:
                 return True, total, after
-            for i in range(n):
+            for i in range(start, past):
                 p[i] = kept[i]
             return True, total, residual
         tau *= 0.2 if gains else 0.5
@@ -147,10 +148,10 @@ def take_proximal_steps(
     found, iterations, residual
         As of `iterate`; iterations of all steps.
     """
-    n = 3 * problem.counts.number
+    start, past = 3 * problem.counts.first, 3 * problem.counts.last
     tau, total, residual = 1.0, 0, np.inf
     kept = work.kept
-    for i in range(n):
+    for i in range(start, past):
         kept[i] = p[i]
     limit, most = limits
     for step in range(STEPS):
@@ -161,11 +162,11 @@ def take_proximal_steps(
         total += iterations
         if found:
             tau *= fall
-            for i in range(n):
+            for i in range(start, past):
                 kept[i] = p[i]
         else:
             tau *= growth
-            for i in range(n):
+            for i in range(start, past):
                 p[i] = kept[i]
         if step % PATIENCE == PATIENCE - 1 or tau < SMALLEST:
             fill_rows(problem, work, 0.0, kept)
@@ -173,6 +174,6 @@ def take_proximal_steps(
             total += iterations
             if found:
                 return True, total, residual
-            for i in range(n):
+            for i in range(start, past):
                 p[i] = kept[i]
     return False, total, residual

@@ -20,6 +20,7 @@ from heavylift.solver.contact.kind import BILATERAL, COMPLIANT, CURVE, RIGID, TR
 from heavylift.solver.contact.laws.normal_force import normal_force, stored_energy
 from heavylift.solver.contact.laws.restitution import bound_restitution
 from heavylift.solver.contact.search.search_end import judge_searches
+from heavylift.solver.contact.solve.asleep import rests, stop_asleep
 from heavylift.solver.contact.solve.delassus import contact_rates
 from heavylift.solver.contact.solve.events import CLOSE, MOST_EVENTS, SHORTEST, gap_tolerance
 from heavylift.solver.contact.solve.stage import (
@@ -29,6 +30,7 @@ from heavylift.solver.contact.solve.stage import (
     slip_energy,
     softness_of,
     solve_present,
+    sort_contacts,
 )
 from heavylift.solver.contact.system_interface import follow
 from heavylift.solver.contact.triangles.interface import place_surfaces, watch_pairs
@@ -102,9 +104,12 @@ def solve_contact_end(
     has borne that too, and both are solved for together.
     """
     contacts.control.time = time + step
+    stop_asleep(contacts, work.velocity)
     closed, hits, stopped = 0, 0, 0
     contacts.control.struck = False
     for c in range(contact_count(contacts)):
+        if rests(contacts, c):
+            continue
         state = contacts.state[c]
         impulse = contacts.rows[c].impulse
         for r in range(3):
@@ -164,12 +169,13 @@ def _project(
             and contacts.values[c].friction > 0.0
             and contacts.table[c].shape_kind != TRIANGLES  # there friction yields
         )
-        if state.closed or (hits and state.new) or rubs:
+        if (state.closed or (hits and state.new) or rubs) and not rests(contacts, c):
             contacts.present[count] = c
             count += 1
     contacts.counts.present = count
     if count == 0:
         return True
+    sort_contacts(contacts, count)
     apply_inverse(bodies, False, contacts)
     for j in range(count):
         _tell_end(contacts, j, smooth, work)
@@ -260,7 +266,12 @@ def close_contact_step(
     contacts.control.uncut = step >= UNCUT * contacts.control.nominal_step
     ahead = carried_on(step, work)
     for c in range(contact_count(contacts)):
-        _close_one(contacts, c, step, ahead, work)
+        if rests(contacts, c):
+            state = contacts.state[c]
+            state.step_impulse = step * state.middle_force[0]
+            state.impulse += state.step_impulse
+        else:
+            _close_one(contacts, c, step, ahead, work)
     interval = work.control.interval
     for c in range(contacts.counts.of_contours):
         state = contacts.state[c]

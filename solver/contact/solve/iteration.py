@@ -49,6 +49,12 @@ REFINED = 1e-8
 NO_GAIN = 1e-13
 """Residual below which a correction that gains nothing is taken for rounding, relative as above."""
 
+AT_REST = 2e-11
+"""Residual of impulses to begin with, below which they are a solution, relative to rates without impulses alone.
+
+So are the forces of what stands then, however heavy it is. Relative to what impulses do, which with masses a million
+times apart is a million times more, forces of the heavy body would be off by as much."""
+
 REFINEMENTS = 6
 """Most corrections of an accepted solution."""
 
@@ -59,23 +65,23 @@ ROUNDING = 1e-15
 @kernel(internal=True)
 def _sum_impulses(problem: Problem, work: Work, p: NDArray[np.float64]) -> None:
     """``z = N^T p``."""
-    ends, z, sums = problem.ends, work.z, work.sums
-    for i in range(problem.counts.size):
+    ends, z, sums, counts = problem.ends, work.z, work.sums, problem.counts
+    for i in range(counts.low, counts.high):
         z[i] = 0.0
-    for c in range(problem.counts.number):
-        if c > 0 and not same_ends(ends, c, c - 1):
+    for c in range(counts.first, counts.last):
+        if c > counts.first and not same_ends(ends, c, c - 1):
             add_pair(ends, work.place, c - 1, sums, z)
         p0, p1, p2 = p[3 * c], p[3 * c + 1], p[3 * c + 2]
         if p0 != 0.0 or p1 != 0.0 or p2 != 0.0:
             add_rows(work.N, CONTACT * c, p0, p1, p2, sums)
-    add_pair(ends, work.place, problem.counts.number - 1, sums, z)
+    add_pair(ends, work.place, counts.last - 1, sums, z)
 
 
 @kernel(internal=True)
 def _by_mass(problem: Problem, work: Work, z: NDArray[np.float64]) -> None:
     """Write ``y = B z``; the same where the masses are in the rows."""
     if work.marks.unit_mass:
-        for i in range(problem.counts.size):
+        for i in range(problem.counts.low, problem.counts.high):
             work.y[i] = z[i]
     else:
         multiply(problem.counts.size, problem.B, z, work.y)
@@ -87,12 +93,13 @@ def _evaluate(problem: Problem, work: Work, p: NDArray[np.float64]) -> tuple[flo
 
     Returns the largest residual of a contact, what it is measured by, and the part of that which belongs to rates.
     """
-    count, size, kinds, ends = problem.counts.number, problem.counts.size, problem.kinds, problem.ends
+    first, last, size, ends = problem.counts.first, problem.counts.last, problem.counts.size, problem.ends
+    kinds = problem.kinds
     w, w0, x, records, place, N = work.w, work.w0, work.x, work.records, work.place, work.N
     on_blocks = ends.shape[0] > 0
     if on_blocks:
         _by_mass(problem, work, work.z)
-        for i in range(size):
+        for i in range(problem.counts.low, problem.counts.high):
             work.y[i] += work.y0[i]
             x[i] = 0.0
     else:
@@ -101,11 +108,11 @@ def _evaluate(problem: Problem, work: Work, p: NDArray[np.float64]) -> tuple[flo
             w[i] += w0[i]
     worst, largest, scale = 0.0, 0.0, work.marks.scale
     finite = True
-    for c in range(count):
+    for c in range(first, last):
         i, o = 3 * c, CONTACT * c
         if on_blocks:
-            if c == 0 or not same_ends(ends, c, c - 1):
-                if c > 0:
+            if c == first or not same_ends(ends, c, c - 1):
+                if c > first:
                     add_pair(ends, place, c - 1, work.sums, x)
                 load_pair(ends, place, c, work.y, work.pair)
             v0, v1, v2 = multiply_rows(N, o, work.pair)
@@ -129,7 +136,7 @@ def _evaluate(problem: Problem, work: Work, p: NDArray[np.float64]) -> tuple[flo
         normal, tangent = work.diagonal[2 * c], work.diagonal[2 * c + 1]
         largest = max(largest, abs(p0) * normal, max(abs(p1), abs(p2)) * tangent)
     if on_blocks:
-        add_pair(ends, place, count - 1, work.sums, x)
+        add_pair(ends, place, last - 1, work.sums, x)
     if not finite:
         return np.inf, scale, scale
     return math.sqrt(worst), max(scale, ROUNDING / ACCEPTED * largest), scale
@@ -156,26 +163,27 @@ def measure_rates(problem: Problem, work: Work, p: NDArray[np.float64]) -> float
 @kernel(internal=True)
 def _solve_step(problem: Problem, work: Work, fresh: bool) -> bool:
     """Solve for the sums of a step on the velocities, from x into y; returns False if the matrix is singular."""
-    size, marks = problem.counts.size, work.marks
-    changed = update(
-        problem.counts.number, problem.ends, work.place, work.N, size, work.records, work.held, work.K
-    )
+    size, marks, low, high = problem.counts.size, work.marks, problem.counts.low, problem.counts.high
+    changed = update(problem.counts, problem.ends, work.place, work.N, work.records, work.held, work.K)
     if changed or fresh:
         marks.near_diagonal = False
         if marks.unit_mass:
-            add_unit(size, work.K, work.reach, work.A)
-            if factor_near_diagonal(size, work.A, work.reach):
+            add_unit(size, low, high, work.K, work.reach, work.A)
+            if factor_near_diagonal(size, low, high, work.A, work.reach):
                 marks.near_diagonal = True
             else:
                 for i in range(size * size):
                     work.A[i] = 0.0
-                add_unit(size, work.K, work.reach, work.A)
+                for i in range(size):  # of the other islands nothing is asked
+                    if not low <= i < high:
+                        work.A[i * size + i], work.x[i] = 1.0, 0.0
+                add_unit(size, low, high, work.K, work.reach, work.A)
         else:
             add_unit_to_product(size, work.K, problem.B, work.A)
         if not marks.near_diagonal and not factor(size, work.A, work.pivots):
             return False
     if marks.near_diagonal:
-        solve_near_diagonal(size, work.A, work.reach, work.x)
+        solve_near_diagonal(size, low, high, work.A, work.reach, work.x)
     else:
         solve_factored(size, work.A, work.pivots, work.x)
     _by_mass(problem, work, work.x)
@@ -185,31 +193,32 @@ def _solve_step(problem: Problem, work: Work, fresh: bool) -> bool:
 @kernel(internal=True)
 def _correct(problem: Problem, work: Work, p: NDArray[np.float64], fresh: bool) -> float:
     """Add a step of Newton's method to p; returns its largest size over that of p, weighted by W; below zero: none."""
-    count, size, ends, place = problem.counts.number, problem.counts.size, problem.ends, work.place
+    first, last, size, ends = problem.counts.first, problem.counts.last, problem.counts.size, problem.ends
+    place = work.place
     records, dw, x, z, N = work.records, work.dw, work.x, work.z, work.N
     on_blocks = ends.shape[0] > 0
     if on_blocks:
         if not _solve_step(problem, work, fresh):
             return -1.0
-        for i in range(size):
+        for i in range(problem.counts.low, problem.counts.high):
             z[i] = 0.0
     else:
-        n = assemble_rows(count, size, problem.B, records, work.A, work.active, x)
+        n = assemble_rows(last, size, problem.B, records, work.A, work.active, x)
         if not factor(n, work.A, work.pivots):
             return -1.0
         solve_factored(n, work.A, work.pivots, x)
-        for c in range(count):
+        for c in range(first, last):
             record = linearised_contact(records, RECORD * c)
             for i in range(3):
                 dw[3 * c + i] = record.r[i]
         for i in range(n):
             dw[int(work.active[i])] = x[i]
     step, largest = 0.0, 0.0
-    for c in range(count):
+    for c in range(first, last):
         i = 3 * c
         if on_blocks:
-            if c == 0 or not same_ends(ends, c, c - 1):
-                if c > 0:
+            if c == first or not same_ends(ends, c, c - 1):
+                if c > first:
                     add_pair(ends, place, c - 1, work.sums, z)
                 load_pair(ends, place, c, work.y, work.pair)
             u0, u1, u2 = multiply_rows(N, CONTACT * c, work.pair)
@@ -227,7 +236,7 @@ def _correct(problem: Problem, work: Work, p: NDArray[np.float64], fresh: bool) 
         step = max(step, abs(d0) * normal, max(abs(d1), abs(d2)) * tangent)
         largest = max(largest, abs(p0) * normal, max(abs(p1), abs(p2)) * tangent)
     if on_blocks:
-        add_pair(ends, place, count - 1, work.sums, z)
+        add_pair(ends, place, last - 1, work.sums, z)
     return step / largest if largest > 0.0 else 0.0
 
 
@@ -258,11 +267,14 @@ def iterate(
         Relative.
     """
     if problem.ends.shape[0] > 0:
-        for i in range(COUPLING * problem.counts.number + SCRATCH):
+        counts = problem.counts
+        for i in range(COUPLING * counts.first, COUPLING * counts.last):
             work.held[i] = 0.0
-        size = problem.counts.size
+        for i in range(COUPLING * counts.number, COUPLING * counts.number + SCRATCH):
+            work.held[i] = 0.0
+        size = counts.size
         if work.marks.unit_mass:  # nothing else is read
-            for i in range(size):
+            for i in range(counts.low, counts.high):
                 for j in range(i, int(work.reach[i]) + 1):
                     work.K[i * size + j] = work.K[j * size + i] = 0.0
         else:
@@ -274,12 +286,13 @@ def iterate(
     while True:
         residual, scale, _ = _evaluate(problem, work, p)
         relative = residual / scale if scale > 0.0 else residual
-        if relative <= accepted and (accepted > ACCEPTED or step <= REFINED):
+        known = iteration == 0 and residual <= AT_REST * work.marks.free
+        if relative <= accepted and (accepted > ACCEPTED or step <= REFINED or known):
             return True, iteration, relative
         if relative <= accepted and relative < best:
             gain = relative < 0.5 * best
             best = relative
-            for i in range(3 * problem.counts.number):
+            for i in range(3 * problem.counts.first, 3 * problem.counts.last):
                 work.best[i] = p[i]
             if not gain and best < NO_GAIN:
                 return True, iteration, best
@@ -294,7 +307,7 @@ def iterate(
             break
         iteration += 1
     if best < np.inf:
-        for i in range(3 * problem.counts.number):
+        for i in range(3 * problem.counts.first, 3 * problem.counts.last):
             p[i] = work.best[i]
         return True, iteration, best
     return False, iteration, relative

@@ -23,7 +23,7 @@ from heavylift.solver.contact.layout import UNILATERAL, Problem, RowKind, RowPar
 from heavylift.solver.contact.solve.fallback_gauss_seidel import sweep_contacts
 from heavylift.solver.contact.solve.fallback_proximal import share_redundant, take_proximal_steps
 from heavylift.solver.contact.solve.iteration import ACCEPTED, iterate, measure_rates
-from heavylift.solver.contact.solve.problem import fill_rows, prepare
+from heavylift.solver.contact.solve.problem import fill_rows, next_island, prepare
 from heavylift.solver.contact.solve.system import gather, multiply_blocks
 from heavylift.solver.kinds import Table, generic, implement
 
@@ -68,15 +68,36 @@ given up after them. Its best impulses are kept, with their residual.
 
 @kernel(internal=True)
 def _solve(problem: Problem) -> tuple[int, int, float]:
-    """Solve by Newton's method, then by proximal steps from the given impulses and from none."""
-    n = 3 * problem.counts.number
-    work, p, out = problem.work, problem.p, problem.y
+    """Island by island; the worst status and residual, and iterations as if all of them were of the whole problem."""
+    work, out, counts = problem.work, problem.y, problem.counts
     prepare(problem, work)
-    for i in range(n):
+    for i in range(3 * counts.number):
         if not abs(work.w0[i]) < np.inf:  # the bodies themselves have been lost before
-            for j in range(problem.counts.size):
+            for j in range(counts.size):
                 out[j] = problem.start[j]
             return FAILED, 0, np.inf
+    status, solved, residual = BY_NEWTON, 0, 0.0
+    while next_island(problem, work):
+        found, iterations, left = _solve_island(problem)
+        worse = found == FAILED or (status != FAILED and found > status)
+        status = found if worse else status
+        solved += iterations * (counts.last - counts.first)
+        residual = max(residual, left)
+    for c in range(counts.number):
+        clip(problem.kinds, problem.parameters, c, problem.p)
+    gather(counts.number, problem.ends, problem.blocks, counts.size, problem.p, 3, work.z)
+    multiply_blocks(counts.size, problem.B, problem.head, problem.past, work.z, out)
+    for i in range(counts.size):
+        out[i] += problem.start[i]
+    return status, -(-solved // counts.number), residual
+
+
+@kernel(internal=True)
+def _solve_island(problem: Problem) -> tuple[int, int, float]:
+    """Solve by Newton's method, then by proximal steps from the given impulses and from none."""
+    first, last = 3 * problem.counts.first, 3 * problem.counts.last
+    work, p = problem.work, problem.p
+    for i in range(first, last):
         if not abs(p[i]) < np.inf:
             p[i] = 0.0
         work.begin[i] = p[i]
@@ -84,12 +105,15 @@ def _solve(problem: Problem) -> tuple[int, int, float]:
     fill_rows(problem, work, 0.0, work.begin)
     status = BY_NEWTON
     found, total, residual = iterate(problem, work, p, FIRST_LIMIT, ACCEPTED)
-    bound = min(MOST_WORK / float(problem.counts.size) ** 3, MOST_ROWS / float(problem.counts.number))
+    if found:
+        return status, total, residual
+    size, number = problem.counts.high - problem.counts.low, (last - first) // 3
+    bound = min(MOST_WORK / float(size) ** 3, MOST_ROWS / float(number))
     most, least = max(LEAST_ITERATIONS, int(bound)), np.inf
     for attempt in range(2):
         if not found:
             status = BY_PROXIMAL_STEPS
-            for i in range(n):
+            for i in range(first, last):
                 p[i] = 0.0 if attempt == 0 else work.begin[i]
             found, iterations, residual = share_redundant(problem, work, p, most)
             total += iterations
@@ -104,7 +128,7 @@ def _solve(problem: Problem) -> tuple[int, int, float]:
             fill_rows(problem, work, 0.0, work.begin)
             found, iterations, residual = sweep_contacts(problem, work, p, SWEEP_WORK)
             total += iterations
-            for i in range(n):
+            for i in range(first, last):
                 work.begin[i] = p[i]
             if found:
                 status = BY_GAUSS_SEIDEL
@@ -112,7 +136,7 @@ def _solve(problem: Problem) -> tuple[int, int, float]:
                 least = _keep_best(problem, work, p, least)
             continue
         from_none = 0 < attempt < FROM_SWEEPS
-        for i in range(n):
+        for i in range(first, last):
             p[i] = 0.0 if from_none else work.begin[i]
         limits = (LIMITS[attempt], most)
         found, iterations, after = take_proximal_steps(
@@ -125,14 +149,8 @@ def _solve(problem: Problem) -> tuple[int, int, float]:
             least = _keep_best(problem, work, p, least)
     if not found:
         status, residual = FAILED, least
-        for i in range(n):
+        for i in range(first, last):
             p[i] = work.rough[i]
-    for c in range(problem.counts.number):
-        clip(problem.kinds, problem.parameters, c, p)
-    gather(problem.counts.number, problem.ends, problem.blocks, problem.counts.size, p, 3, work.z)
-    multiply_blocks(problem.counts.size, problem.B, problem.head, problem.past, work.z, out)
-    for i in range(problem.counts.size):
-        out[i] += problem.start[i]
     return status, total, residual
 
 
@@ -143,15 +161,15 @@ def _keep_best(problem: Problem, work: Work, p: NDArray[np.float64], least: floa
     They are kept inside their cones: impulses that push, with friction within its bound, take energy out and let
     bodies come together by no more than their residual.
     """
-    for i in range(3 * problem.counts.number):
+    for i in range(3 * problem.counts.first, 3 * problem.counts.last):
         if not abs(p[i]) < np.inf:
             return least
-    for c in range(problem.counts.number):
+    for c in range(problem.counts.first, problem.counts.last):
         clip(problem.kinds, problem.parameters, c, p)
     fill_rows(problem, work, 0.0, p)
     residual = measure_rates(problem, work, p)
     if residual < least:
-        for i in range(3 * problem.counts.number):
+        for i in range(3 * problem.counts.first, 3 * problem.counts.last):
             work.rough[i] = p[i]
         return residual
     return least
@@ -209,7 +227,8 @@ def solve_contacts(solvers: ContactSolvers, problem: Problem) -> None:
     Notes
     -----
     The status of the solution is BY_NEWTON, BY_PROXIMAL_STEPS or BY_GAUSS_SEIDEL, or FAILED: then the impulses are no
-    solution. Iterations are linear systems solved. The residual is the largest violation of the laws by a contact, as a
+    solution. Iterations are linear systems solved; of contacts that do not act on each other a mean, weighted by their
+    number. The residual is the largest violation of the laws by a contact, as a
     rate, relative to the largest rate without impulses or by them.
     """
 

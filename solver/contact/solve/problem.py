@@ -18,7 +18,7 @@ from heavylift.solver.contact.solve.envelope import find_reach, order_bodies
 from heavylift.solver.contact.solve.system import COUPLING, SCRATCH, fill_gaps, spread
 from heavylift.solver.contact.solve.twelve_rows import COLUMNS
 
-__all__ = ["fill_rows", "make_work", "prepare"]
+__all__ = ["fill_rows", "make_work", "next_island", "prepare"]
 
 
 def make_work(count: int, size: int) -> Work:
@@ -38,7 +38,8 @@ def prepare(problem: Problem, work: Work) -> None:
     """Write what all iterations share: rows and their order, the diagonal of W, rates without impulses."""
     count, ends, size = problem.counts.number, problem.ends, problem.counts.size
     marks = work.marks
-    marks.unit_mass, marks.near_diagonal, marks.scale = False, False, 0.0
+    marks.unit_mass, marks.near_diagonal, marks.in_order = False, False, False
+    problem.counts.last = problem.counts.high = 0
     if ends.shape[0] > 0:
         for i in range(COLUMNS):
             work.sums[i] = 0.0
@@ -66,20 +67,69 @@ def prepare(problem: Problem, work: Work) -> None:
             solve_for_start(size, work.K, work.pivots, work.x)
             for i in range(size):
                 work.y0[int(work.place[i])] = work.x[i]
+            marks.in_order = _note_last(problem, work)
         else:
             for i in range(size):
                 work.place[i] = i
                 work.y0[i] = problem.start[i]
     _find_diagonal(problem, work)
     spread(count, ends, problem.blocks, size, problem.start, work.w0)
-    scale = problem.counts.least_rate
-    for c in range(count):
+    _find_scale(problem, work)
+
+
+@kernel(internal=True)
+def _note_last(problem: Problem, work: Work) -> bool:
+    """Last contact of each body; whether all velocities are in the order in which contacts touch them."""
+    past, ends = 0, problem.ends
+    for c in range(problem.counts.number):
+        for end in range(2):
+            first, width = ends[c, 2 * end], ends[c, 2 * end + 1]
+            if width > 0:
+                if first > past:
+                    return False
+                past = max(past, first + width)
+                work.active[first] = c
+    return past == problem.counts.size
+
+
+@kernel(internal=True)
+def next_island(problem: Problem, work: Work) -> bool:
+    """Go on to the contacts that act on each other behind those that were solved last; false if there are none.
+
+    Islands whose contacts stand in turn are taken as one, and all of them where velocities are in another order.
+    """
+    counts, ends = problem.counts, problem.ends
+    counts.first, counts.low = counts.last, counts.high
+    if counts.first >= counts.number:
+        return False
+    if not work.marks.in_order:
+        counts.last, counts.high = counts.number, counts.size
+    else:
+        c = last = counts.first
+        while c <= last:
+            for end in range(2):
+                first, width = ends[c, 2 * end], ends[c, 2 * end + 1]
+                if width > 0:
+                    last = max(last, int(work.active[first]))
+                    counts.high = max(counts.high, first + width)
+            c += 1
+        counts.last = c
+    return True
+
+
+@kernel(internal=True)
+def _find_scale(problem: Problem, work: Work) -> None:
+    """What residuals are measured by."""
+    marks = work.marks
+    scale, free = problem.counts.least_rate, problem.counts.free_rate
+    for c in range(problem.counts.number):
         i = 3 * c
-        scale = max(scale, abs(work.w0[i]), abs(work.w0[i + 1]), abs(work.w0[i + 2]))
+        rate = max(abs(work.w0[i]), abs(work.w0[i + 1]), abs(work.w0[i + 2]))
+        scale, free = max(scale, rate), max(free, rate)
         o = problem.parameters[c]  # what the step has given before counts like what is asked for now
         scale = max(scale, abs(o.offset[0]) * work.diagonal[2 * c])
         scale = max(scale, max(abs(o.offset[1]), abs(o.offset[2])) * work.diagonal[2 * c + 1])
-    marks.scale = scale
+    marks.scale, marks.free = scale, free
 
 
 @kernel(internal=True, reassociate=True)
@@ -112,7 +162,7 @@ def _find_diagonal(problem: Problem, work: Work) -> None:
 def fill_rows(problem: Problem, work: Work, factor_of_diagonal: float, near: NDArray[np.float64]) -> None:
     """Write softness and target of all rows, with a further softness relative to the diagonal about impulses `near`."""
     parameters = problem.parameters
-    for c in range(problem.counts.number):
+    for c in range(problem.counts.first, problem.counts.last):
         row = solved_rows(work.rows, ROWS * c)
         for i in range(3):
             more = factor_of_diagonal * work.diagonal[2 * c + min(i, 1)]

@@ -15,7 +15,66 @@ from heavylift.solver.contact.solve.newton import solve_contacts
 from heavylift.solver.contact.system_interface import respond
 from heavylift.solver.interface import Systems
 
-__all__ = ["assemble_reduced", "solve_reduced"]
+__all__ = ["assemble_reduced", "solve_reduced", "sort_by_islands"]
+
+
+@kernel(internal=True)
+def sort_by_islands(contacts: ContactRows, count: int) -> None:
+    """Contacts that take part and act on each other stand together, in their order; not where joints connect bodies."""
+    reduced = contacts.reduced
+    root, head = reduced.of_bodies[0], reduced.of_bodies[1]
+    following, ordered = reduced.of_contacts[0], reduced.of_contacts[1]
+    for j in range(count):
+        for side in range(2):
+            end = contacts.attachments[2 * contacts.present[j] + side]
+            if end.width > 0:
+                if reduced.joined[end.dof] > 0:
+                    return
+                root[end.dof], head[end.dof] = end.dof, -1
+    for j in range(count):
+        first = contacts.attachments[2 * contacts.present[j]]
+        second = contacts.attachments[2 * contacts.present[j] + 1]
+        if first.width > 0 and second.width > 0:
+            a, b = _first_of(root, first.dof), _first_of(root, second.dof)
+            root[max(a, b)] = min(a, b)
+    filled = 0
+    for j in range(count - 1, -1, -1):
+        dof = _moving(contacts, contacts.present[j])
+        if dof >= 0:
+            a = _first_of(root, dof)
+            following[j], head[a] = head[a], j
+    for j in range(count):
+        dof = _moving(contacts, contacts.present[j])
+        if dof < 0:
+            ordered[filled] = contacts.present[j]
+            filled += 1
+            continue
+        a = _first_of(root, dof)
+        k, head[a] = head[a], -1
+        while k >= 0:
+            ordered[filled] = contacts.present[k]
+            filled += 1
+            k = following[k]
+    for j in range(count):
+        contacts.present[j] = ordered[j]
+
+
+@kernel(inline=True, internal=True)
+def _moving(contacts: ContactRows, c: int) -> int:
+    """First velocity of a body that a contact touches, -1 if neither moves."""
+    first, second = contacts.attachments[2 * c], contacts.attachments[2 * c + 1]
+    if first.width > 0:
+        return first.dof
+    return second.dof if second.width > 0 else -1
+
+
+@kernel(inline=True, internal=True)
+def _first_of(root: NDArray[np.int64], dof: int) -> int:
+    """What stands for all that is connected with a body, as far as it is known."""
+    while root[dof] != dof:
+        root[dof] = root[root[dof]]
+        dof = root[dof]
+    return dof
 
 
 @kernel(internal=True)

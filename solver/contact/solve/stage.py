@@ -26,9 +26,10 @@ from heavylift.solver.contact.kind import (
 from heavylift.solver.contact.laws.normal_force import hunt_crossley_damping
 from heavylift.solver.contact.search.contact_kinematics import locate
 from heavylift.solver.contact.search.search_end import judge_searches, mark_failure
+from heavylift.solver.contact.solve.asleep import note_loads, rests, stop_asleep, wake_touched
 from heavylift.solver.contact.solve.delassus import assemble_delassus, contact_rates, own_response, push
 from heavylift.solver.contact.solve.newton import solve_contacts
-from heavylift.solver.contact.solve.reduced import assemble_reduced, solve_reduced
+from heavylift.solver.contact.solve.reduced import assemble_reduced, solve_reduced, sort_by_islands
 from heavylift.solver.contact.system_interface import follow
 from heavylift.solver.contact.triangles.interface import pose_surfaces
 from heavylift.solver.interface import (
@@ -53,6 +54,7 @@ __all__ = [
     "slip_energy",
     "slip_stiffness",
     "solve_present",
+    "sort_contacts",
 ]
 
 CONTACT_ROUNDS = 50
@@ -117,6 +119,27 @@ def _passes_by(contacts: ContactRows, c: int) -> bool:
     return bool(beside > PASSING * contacts.values[c].length_scale)
 
 
+@kernel(internal=True)
+def _find_near(contacts: ContactRows) -> int:
+    """Contacts that may take part; how many."""
+    count = 0
+    for c in range(contact_count(contacts)):
+        state = contacts.state[c]
+        impulse = contacts.rows[c].impulse
+        for r in range(3):
+            impulse[r] = 0.0
+        state.present = state.near = False
+        if rests(contacts, c):
+            continue
+        early = contacts.table[c].law == COMPLIANT or looks_ahead(contacts, c)
+        state.near = state.closed or (early and state.sleep <= NEAR * state.shift)
+        if state.near:
+            contacts.present[count] = c
+            state.present = True
+            count += 1
+    return count
+
+
 @implement(solve_midpoint, ContactRows)
 @kernel(internal=True)
 def solve_contact_midpoint(
@@ -134,19 +157,11 @@ def solve_contact_midpoint(
     contacts.control.free_rate = 0.0
     contacts.control.residual, contacts.control.rounds = 0.0, 0
     contacts.control.rough, contacts.control.roughest = 0, 0.0
-    count = 0
-    for c in range(contact_count(contacts)):
-        state = contacts.state[c]
-        impulse = contacts.rows[c].impulse
-        for r in range(3):
-            impulse[r] = 0.0
-        state.present = False
-        early = contacts.table[c].law == COMPLIANT or looks_ahead(contacts, c)
-        state.near = state.closed or (early and state.sleep <= NEAR * state.shift)
-        if state.near:
-            contacts.present[count] = c
-            state.present = True
-            count += 1
+    note_loads(contacts, work, step)
+    count = _find_near(contacts)
+    if wake_touched(contacts, count):
+        count = _find_near(contacts)
+    stop_asleep(contacts, work.velocity)
     contacts.counts.present = count
     if count == 0:
         return
@@ -165,6 +180,7 @@ def solve_contact_midpoint(
     contacts.counts.present = count
     if count == 0:
         return
+    sort_contacts(contacts, count)
     judge_searches(contacts, False, work)
     settle_points(bodies, rows, True, work)
     apply_inverse(bodies, True, contacts)
@@ -210,6 +226,13 @@ def _settle(
 def _on_velocities(contacts: ContactRows, count: int) -> bool:
     """Whether the contacts that take part are solved on the velocities of their bodies."""
     return contacts.counts.all_rigid and count > DENSE
+
+
+@kernel(internal=True)
+def sort_contacts(contacts: ContactRows, count: int) -> None:
+    """Those that act on each other stand together, where each group of them is solved by itself."""
+    if _on_velocities(contacts, count):
+        sort_by_islands(contacts, count)
 
 
 @kernel(internal=True)

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.jit import kernel
 from heavylift.solver.contact.laws.rows import RECORD, linearised_contact
+from heavylift.solver.contact.layout import ProblemSize
 from heavylift.solver.contact.solve.end_blocks import CONTACT, same_ends
 from heavylift.solver.contact.solve.twelve_rows import COLUMNS, add_product_of_rows
 
@@ -181,11 +182,10 @@ def _flush(
 
 @kernel(internal=True)
 def update(
-    count: int,
+    counts: ProblemSize,
     ends: NDArray[np.int64],
     place: NDArray[np.float64],
     N: NDArray[np.float64],
-    size: int,
     records: NDArray[np.float64],
     held: NDArray[np.float64],
     K: NDArray[np.float64],
@@ -194,7 +194,7 @@ def update(
 
     Parameters
     ----------
-    count, ends, size
+    counts, ends
         The problem.
     place, N
         Where velocities stand, and the rows of contacts in twelve columns.
@@ -206,10 +206,11 @@ def update(
     K
         Square matrix, row by row.
     """
+    count, size = counts.number, counts.size
     change = held[COUPLING * count : COUPLING * count + COUPLING]
     pair = held[COUPLING * (count + 1) : COUPLING * (count + 1) + COLUMNS * COLUMNS]
     last = -1  # contact whose ends the pair has
-    for c in range(count):
+    for c in range(counts.first, counts.last):
         new, o = linearised_contact(records, RECORD * c), COUPLING * c
         d0 = new.d00 - held[o]
         d1, d2, d3 = new.d10 - held[o + 1], new.d11 - held[o + 2], new.d12 - held[o + 3]
@@ -230,9 +231,16 @@ def update(
 
 
 @kernel(internal=True)
-def add_unit(size: int, K: NDArray[np.float64], reach: NDArray[np.float64], A: NDArray[np.float64]) -> None:
-    """Write ``A = I + K`` as far as entries reach from the diagonal."""
-    for i in range(size):
+def add_unit(
+    size: int,
+    low: int,
+    high: int,
+    K: NDArray[np.float64],
+    reach: NDArray[np.float64],
+    A: NDArray[np.float64],
+) -> None:
+    """Write the rows from `low` to `high` of ``A = I + K`` as far as entries reach from the diagonal."""
+    for i in range(low, high):
         for j in range(i, int(reach[i]) + 1):
             A[i * size + j] = K[i * size + j]
             A[j * size + i] = K[j * size + i]

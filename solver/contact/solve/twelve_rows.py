@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from numba import types
-from numba.extending import intrinsic
-
+from heavylift.numerics.jit import intrinsic
 from heavylift.numerics.vector_code import VectorCode, vector_code
 
 __all__ = ["COLUMNS", "add_product_of_rows", "add_rows", "multiply_rows"]
@@ -30,7 +28,7 @@ def multiply_rows(typingctx, N, o, y):  # type: ignore[no-untyped-def]
         rows = [[code.load(N, COLUMNS * k + j) for j in STARTS] for k in range(3)]
         return [code.total(code.sum(*zip(row, factors, strict=True))) for row in rows]
 
-    return vector_code((N, o, y), (1, 0), write, lanes=LANES, returns=types.UniTuple(types.float64, 3))
+    return vector_code((N, o, y), (1, 0), write, lanes=LANES, returns=3)
 
 
 @intrinsic

@@ -57,6 +57,8 @@ class SurfacePair(Record):
         Most contacts at once.
     first_recorded, recorded
         Those that are recorded: the first in `SurfacePairs.recorded_columns`, and how many.
+    sleepers, followed
+        Of both sides as in a contact; whether the rows of its contacts are those of where it sleeps.
     deforms, keeps
         Whether a surface deforms; whether a search is kept while the pair stands still.
     outside
@@ -87,6 +89,8 @@ class SurfacePair(Record):
     most: int
     first_recorded: int
     recorded: int
+    sleepers: BothInts
+    followed: bool
     deforms: bool
     keeps: bool
     outside: BothFloats

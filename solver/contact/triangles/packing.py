@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,6 +15,7 @@ from heavylift.numerics.rotation import rotation_matrix
 from heavylift.solver.contact.checks import check_law, check_motion
 from heavylift.solver.contact.kind import (
     COMPLIANT,
+    NEVER_MOVES,
     OF_FACETS,
     OF_GROUND,
     OF_RIGID,
@@ -24,6 +25,7 @@ from heavylift.solver.contact.kind import (
     ContactState,
     ContactValues,
     ContourPose,
+    Sleeper,
 )
 from heavylift.solver.contact.laws.packing import force_law, put_law
 from heavylift.solver.contact.moving_points import count_moving, count_slots, most_of
@@ -40,6 +42,7 @@ from heavylift.solver.contact.triangles.kind import (
 from heavylift.solver.contact.triangles.modal_packing import ModalBook, pack_modal, pack_modal_surface
 from heavylift.solver.contact.triangles.outside import closed_parts, outside_of
 from heavylift.solver.rows.structure import Attachment
+from heavylift.solver.scene.bodies import Fixed, Free, RigidBody
 from heavylift.solver.scene.connections import GROUND
 from heavylift.solver.scene.contacts import BilateralLaw, RigidLaw
 from heavylift.solver.scene.meshes import MeshBody
@@ -165,6 +168,7 @@ def pack_collisions(
         pair.patch_size = collision.patch_size or _patch_size(min(moved[first], moved[second], key=_extent))
         pair.radii = moved[first].radius + moved[second].radius
         pair.border = size * (BORDER_ON_MODES if first in modal or second in modal else BORDER)
+    sleepers = _sleepers(scene, by_name, pairs, contours, poses, deforming, first_pose)
     packed = pack_surfaces(moved, [surface.body for surface in scene.surfaces])
     all_rigid = not deforming and all(moves_rigidly(side) for side in sides)
     most = _most_at_once(pairs, all_rigid)
@@ -227,8 +231,45 @@ def pack_collisions(
         most=most,
         all_rigid=all_rigid,
         sides=[side for side in sides if side.width],
+        sleepers=sleepers,
         widest=max(6, int(sides["width"].max())),
     )
+
+
+def _sleepers(
+    scene: Scene,
+    by_name: Mapping[str, AnyBody],
+    pairs: Records[SurfacePair],
+    contours: Records[ContactContour],
+    poses: Sequence[ContourPose],
+    deforming: Collection[int],
+    first_pose: int,
+) -> Records[Sleeper]:
+    """Free rigid bodies all of whose pairs are without compliance; their numbers go into the pairs."""
+    found: dict[str, Sleeper] = {}
+    numbers = []
+    for i, surface in enumerate(scene.surfaces):
+        body = by_name.get(surface.body)
+        number = 0
+        if surface.body == GROUND or (type(body) is RigidBody and isinstance(body.motion, Fixed)):
+            number = NEVER_MOVES
+        elif type(body) is RigidBody and isinstance(body.motion, Free) and i not in deforming:
+            if surface.body not in found:
+                one = found[surface.body] = Sleeper.one()
+                one.dof, one.pose, one.size, one.allowed = (
+                    contours[i].dof,
+                    first_pose + i,
+                    poses[i].reach,
+                    True,
+                )
+            number = 1 + list(found).index(surface.body)
+        numbers.append(number)
+    sleepers = records(Sleeper, list(found.values()))
+    for pair in pairs:
+        pair.sleepers[:] = [numbers[k] for k in pair.surfaces]
+        if pair.law != RIGID or pair.deforms:
+            sleepers["allowed"][[number - 1 for number in pair.sleepers if number > 0]] = False
+    return sleepers
 
 
 def _most_at_once(pairs: Records[SurfacePair], all_rigid: bool) -> int:

@@ -15,6 +15,7 @@ from heavylift.numerics.outcome import Outcome
 from heavylift.numerics.vectors import add_scaled, dot, subtract
 from heavylift.solver.contact.counts import contact_count
 from heavylift.solver.contact.kind import COMPLIANT, RIGID, ContactRows
+from heavylift.solver.contact.solve.asleep import both_rest, rests
 from heavylift.solver.contact.solve.delassus import contact_rates
 from heavylift.solver.contact.triangles.facets import refit_facets
 from heavylift.solver.contact.triangles.feature_search import find_features, way_of
@@ -94,6 +95,9 @@ def search_mesh_surfaces(
     fill_table(meshes, contacts)
     count_members(meshes, contacts)
     for pair in range(meshes.pairs.shape[0]):
+        asleep = _rests(meshes, contacts, pair)
+        if asleep and meshes.pairs[pair].followed and not meshes.pairs[pair].measured:
+            continue
         a, b = meshes.pairs[pair].poses[0], meshes.pairs[pair].poses[1]
         motion = meshes.motions[pair]
         first_placed, second_placed = contacts.placed[a - first_row], contacts.placed[b - first_row]
@@ -102,6 +106,13 @@ def search_mesh_surfaces(
         copy_pose(motion.end, meshes.relative[pair])
         if meshes.pairs[pair].deforms:  # its points are those of the end, so paths give no information
             copy_pose(motion.end, motion.start)
+        if asleep:
+            if not meshes.pairs[pair].followed:
+                meshes.pairs[pair].reach = NEAR_ENOUGH * meshes.pair_values[pair].length_scale
+                _follow_contacts(meshes, contacts, bodies, pair, False, 0.0, work)
+                meshes.pairs[pair].followed = True
+            continue
+        meshes.pairs[pair].followed = False
         moved = contacts.poses[a].step_shift + contacts.poses[b].step_shift
         _search_pair(meshes, contacts, bodies, pair, moved, step, first, work)
     _finish_contacts(meshes, contacts)
@@ -110,6 +121,12 @@ def search_mesh_surfaces(
             share_stiffness(meshes, contacts, pair, meshes.pairs[pair].patches, meshes.pairs[pair].reach)
     if first:
         _begin_contacts(meshes, contacts, work, step)
+
+
+@kernel(inline=True, internal=True)
+def _rests(meshes: SurfacePairs, contacts: ContactRows, pair: int) -> bool:
+    """Whether both surfaces of a pair are asleep, or one of them and the other never moves."""
+    return both_rest(contacts, meshes.pairs[pair].sleepers[0], meshes.pairs[pair].sleepers[1])
 
 
 @kernel(internal=True)
@@ -331,6 +348,8 @@ def _add(
 def _finish_contacts(meshes: SurfacePairs, contacts: ContactRows) -> None:
     """What lies beside its face or edges and has not come through them does not touch."""
     for c in range(contacts.counts.of_contours, contact_count(contacts)):
+        if rests(contacts, c):
+            continue
         state = contacts.state[c]
         size = meshes.pair_values[state.pair].length_scale
         nothing = ABOUT_NOTHING * size

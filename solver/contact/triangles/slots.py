@@ -68,6 +68,7 @@ def _assign(meshes: SurfacePairs, contacts: ContactRows, c: int) -> None:
     row, table = meshes.pairs[pair], contacts.table[c]
     table.contour, table.axes, table.shape_kind = row.poses[0], row.poses[1], TRIANGLES
     table.law, table.force_law, table.events = row.law, row.force_law, row.events
+    table.sleepers[0], table.sleepers[1] = row.sleepers[0], row.sleepers[1]
     copy_record(contacts.values[c], meshes.pair_values[pair])
     contacts.values[c].stiffness *= contacts.state[c].share
     contacts.values[c].damping *= contacts.state[c].share
@@ -91,6 +92,8 @@ def _release(contacts: ContactRows, c: int) -> None:
 @entry
 def restore_contacts(meshes: SurfacePairs, contacts: ContactRows) -> None:
     """Number, sides and laws of the contacts from what is carried of them, after that has been changed."""
+    for pair in range(meshes.pairs.shape[0]):
+        meshes.pairs[pair].followed = False
     first = contacts.counts.of_contours
     before = contact_count(contacts)
     count = first + contact_header(contacts.placed[header_row(contacts)], 0).count

@@ -12,16 +12,13 @@ Nothing stands whose points move of themselves, that has slid off a face, or who
 from __future__ import annotations
 
 from heavylift.contours.triangles.feature_gap import copy_pose
-from heavylift.contours.triangles.surface_layout import RelativePose
 from heavylift.numerics.jit import kernel
 from heavylift.solver.contact.kind import ContactRows
 from heavylift.solver.contact.triangles.kind import SurfacePairs
 from heavylift.solver.contact.triangles.sides import holds
+from heavylift.solver.contact.triangles.still import STILL, is_at
 
 __all__ = ["STILL", "contacts_mark", "count_still", "note_standing", "stands"]
-
-STILL = 1e-10
-"""Of the size of a pair: what is moved or turned by less has not moved."""
 
 
 @kernel(internal=True)
@@ -53,17 +50,6 @@ def contacts_mark(meshes: SurfacePairs, contacts: ContactRows, pair: int) -> int
     return mark + 1
 
 
-@kernel(inline=True, internal=True)
-def _is_at(pose: RelativePose, place: RelativePose, size: float) -> bool:
-    """Whether a pose is within `STILL` of another one."""
-    moved = turned = 0.0
-    for k in range(3):
-        moved = max(moved, abs(pose.origin[k] - place.origin[k]))
-    for k in range(9):
-        turned = max(turned, abs(pose.rotation[k] - place.rotation[k]))
-    return moved <= STILL * size and turned <= STILL
-
-
 @kernel(internal=True)
 def stands(meshes: SurfacePairs, contacts: ContactRows, pair: int, far: float, mark: int) -> bool:
     """Whether a pair stands where a whole search has found it standing, with these contacts.
@@ -80,7 +66,7 @@ def stands(meshes: SurfacePairs, contacts: ContactRows, pair: int, far: float, m
     stood, size, motion = contacts.stood[pair], meshes.pair_values[pair].length_scale, meshes.motions[pair]
     if mark == 0 or stood.mark != mark or not abs(far - stood.far) <= STILL * size:
         return False
-    return _is_at(motion.start, stood.pose, size) and _is_at(motion.end, stood.pose, size)
+    return is_at(motion.start, stood.pose, size) and is_at(motion.end, stood.pose, size)
 
 
 @kernel(internal=True)
@@ -98,7 +84,7 @@ def note_standing(
     """
     stood, size, motion = contacts.stood[pair], meshes.pair_values[pair].length_scale, meshes.motions[pair]
     stood.mark, stood.still = 0, 0
-    if before == 0 or before != after or not _is_at(motion.start, motion.end, size):
+    if before == 0 or before != after or not is_at(motion.start, motion.end, size):
         return
     stood.mark, stood.far = after, far
     copy_pose(motion.end, stood.pose)

@@ -17,6 +17,7 @@ from heavylift.contours.triangles.feature_gap import (
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.vectors import dot, rotate
 from heavylift.solver.contact.kind import COMPLIANT, ContactRows
+from heavylift.solver.contact.solve.asleep import rests
 from heavylift.solver.contact.triangles.kind import Fault, SurfacePairs, gone_contacts
 from heavylift.solver.contact.triangles.slots import surface_count
 
@@ -33,6 +34,8 @@ TURNED = -0.5
 def judge_contact(meshes: SurfacePairs, contacts: ContactRows, c: int) -> None:
     """Judge force and mean force of a contact at the end of a step that stands."""
     state = contacts.state[c]
+    if rests(contacts, c):  # it has been judged while it was awake
+        return
     force, pair = state.normal_force, meshes.pairs[state.pair]
     mean = state.step_impulse / contacts.control.nominal_step
     if force == 0.0 and mean == 0.0:

@@ -24,12 +24,12 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from heavylift.numerics.arrays import Arrays, Floats1
+from heavylift.numerics.arrays import Arrays, Floats1, Ints1
 from heavylift.numerics.jit import in_python
-from heavylift.numerics.records import Quaternion, Record, Records, Vector, Vector6, filled, records
+from heavylift.numerics.records import Quaternion, Record, Records, Vector, Vector6, records
 from heavylift.numerics.rotation import quaternion_from_matrix, quaternion_product, rotation_matrix
 from heavylift.solver.drive import DRIVEN, FREE
-from heavylift.solver.interface import FORCES, Bodies, Joints, begin_stage
+from heavylift.solver.interface import FORCES, RECORD, Bodies, Forces, Joints, Systems, Workspace, begin_stage
 from heavylift.solver.rows.structure import RowArrays
 from heavylift.solver.scene.bodies import GROUND
 
@@ -47,8 +47,11 @@ __all__ = [
     "HINGE",
     "SLIDER",
     "Forest",
+    "JointRecord",
+    "LoopRow",
     "TreeBody",
     "make_forest",
+    "stepped",
 ]
 
 HINGE, SLIDER, FIXED, BALL, FLOATING, DISTANCE = range(6)
@@ -197,12 +200,17 @@ class LoopRow(Record):
         Where it is in the system.
     a, b
         Its bodies in the forest, or `GROUNDED`.
-    first, last
-        Range of the bodies in their trees.
+    first, last, second, end
+        Ranges of the bodies in their trees; the latter is empty if there is one tree only.
+    path, path_end
+        Where its bodies and all that they hang on stand in the paths, the last ones first.
     kept
         Whether it does not follow from others; -1 as long as nobody knows.
-    target, pull, own, rest
-        What it wants, and the force that gives it; its part of the matrix of the rows, and of a right-hand side.
+    force_a, moment_a, force_b, moment_b
+        What a unit of it exerts on the bodies, about their joint points, world axes.
+    target, pull, own, inverse, rest
+        What it wants, and the force that gives it; its part of the matrix of the rows, of the inverse factor, and of a
+        right-hand side.
     """
 
     block: int
@@ -211,11 +219,45 @@ class LoopRow(Record):
     b: int
     first: int
     last: int
+    second: int
+    end: int
+    path: int
+    path_end: int
     kept: int
+    force_a: Vector
+    moment_a: Vector
+    force_b: Vector
+    moment_b: Vector
     target: float
     pull: float
     own: float
+    inverse: float
     rest: float
+
+
+class JointRecord(Record):
+    """What a joint of a tree records, where no rows are needed for it.
+
+    Attributes
+    ----------
+    reaction, turn, slide
+        Record columns, -1 for what it does not have.
+    offset
+        Of the coordinate from the recorded angle [rad]: whole turns.
+    force, moment
+        On side b at its point, world axes.
+    coordinate, rate
+        Angle or travel, and its rate.
+    """
+
+    reaction: int
+    turn: int
+    slide: int
+    offset: float
+    force: Vector
+    moment: Vector
+    coordinate: float
+    rate: float
 
 
 class Forest(Arrays):
@@ -235,17 +277,32 @@ class Forest(Arrays):
         Whether forces act on markers.
     rows
         Those of the joints, which the trees give their reactions.
+    seen
+        The bodies with the markers that evaluations need: not those of the joints of trees.
+    pushed
+        Numbers of all markers but the latter.
     joints
-        Those that are not in trees.
+        Those that are not in trees; where trees record theirs, what records beside joints.
+    recorded
+        What the joint of each body records; none where rows are needed for it: with loops, or bodies that are held.
+    violation
+        Record column of the largest violation, behind which are the smallest pivot and the largest drift of a law.
     loops
-        Their rows.
+        Rows of the joints that are not in trees.
+    paths
+        Bodies of these rows, see there.
+    order
+        Numbers of the rows that are kept, and at the end how many these are.
     answers
-        Accelerations of all coordinates by each of these rows, then the matrix of the rows; flat.
+        Accelerations of all coordinates by each row that is kept, then the matrix of these rows; flat.
     """
 
-    carried_fields: ClassVar[tuple[str, ...]] = ("loops",)
+    carried_fields: ClassVar[tuple[str, ...]] = ("loops", "recorded")
 
-    kernel_modules: ClassVar[tuple[str, ...]] = ("heavylift.solver.integrate.trees.stage",)
+    kernel_modules: ClassVar[tuple[str, ...]] = (
+        "heavylift.solver.integrate.trees.stage",
+        "heavylift.solver.integrate.trees.record",
+    )
 
     bodies: Records[TreeBody]
     poses: Floats1
@@ -254,8 +311,14 @@ class Forest(Arrays):
     spun: bool
     loaded: bool
     rows: RowArrays
+    seen: Bodies
+    pushed: Ints1
     joints: Joints
+    recorded: Records[JointRecord]
+    violation: int
     loops: Records[LoopRow]
+    paths: Ints1
+    order: Ints1
     answers: Floats1
 
     def keep_rows(self, rows: NDArray[np.int64], kept: NDArray[np.bool_]) -> None:
@@ -298,6 +361,8 @@ class Forest(Arrays):
             turn = np.array(in_python(quaternion_product)(back, tuple(q.tolist())))
             if one.joint == HINGE:  # up to a whole turn, for the quaternion to get its sign
                 values[place] = 2.0 * math.atan2(float(one.axis @ turn[1:]), turn[0])
+                if len(self.recorded):
+                    self.recorded[len(states) - 1].offset = math.tau * round(values[place] / math.tau)
                 values[speed] = (R @ one.axis) @ (spin - parent[3])
             elif turn[0] < 0.0:
                 one.turn[:], one.turned = -one.turn, 1
@@ -355,6 +420,11 @@ def _carries(joint: Joint) -> bool:
     return fits and joint.compliance == 0.0 and getattr(joint, "drive", None) is None
 
 
+def _moves(joint: Joint, names: dict[str, int], free: NDArray[np.bool_]) -> bool:
+    """Whether a joint has a body that is free."""
+    return any(names[name] >= 0 and bool(free[names[name]]) for name in (joint.body_a, joint.body_b))
+
+
 def _plant(joints: Sequence[Joint], layout: Layout, kind: Any) -> Forest | None:
     """Grow trees from the ground, then from the heaviest body of what is left, each as low as it can be.
 
@@ -385,6 +455,8 @@ def _plant(joints: Sequence[Joint], layout: Layout, kind: Any) -> Forest | None:
                     layer.append(child)
     used = {joint.name for _, _, joint in found.values() if joint is not None}
     rest = {block[joint.name] for joint in joints if joint.name not in used}
+    if any(joint.name not in used and not _moves(joint, names, free) for joint in joints):
+        return None
     system = layout.systems[0]
     count = sum(int(np.count_nonzero(system.rows[one].scale)) for one in rest)
     if not used or count > MOST_ROWS or (rest and any(hasattr(one, "profiles") for one in layout.joints)):
@@ -394,7 +466,7 @@ def _plant(joints: Sequence[Joint], layout: Layout, kind: Any) -> Forest | None:
         if number != GROUNDED:
             of_tree.setdefault(tree, []).append(number)
     place_of: dict[int, int] = {GROUNDED: GROUNDED}
-    range_of: dict[int, tuple[int, int]] = {}
+    range_of: dict[int, tuple[int, int]] = {GROUNDED: (0, 0)}
     bodies: list[Any] = []
     for numbers in of_tree.values():
         ends_of_tree = len(bodies), len(bodies) + len(numbers)
@@ -403,8 +475,8 @@ def _plant(joints: Sequence[Joint], layout: Layout, kind: Any) -> Forest | None:
             if carrying is None:
                 body = _body(kind, number, FLOATING)
             else:
-                above = bodies[place_of[parent]] if parent >= 0 else None
-                body = _hang(carrying, kind, axes, names, parent, number, above)
+                on = bodies[place_of[parent]] if parent >= 0 else None
+                body = _hang(carrying, kind, axes, names, parent, number, on)
                 body.block = block[carrying.name]
             body.parent = place_of[parent]
             place_of[number], range_of[number] = len(bodies), ends_of_tree
@@ -420,25 +492,46 @@ def _plant(joints: Sequence[Joint], layout: Layout, kind: Any) -> Forest | None:
     if not rest:
         at_centre = (made["joint"] >= BALL) & ~made["centre"].any(axis=1)
         made["alone"] = at_centre & ~np.isin(np.arange(len(made)), made["parent"])
-    loops = []
+    loops: list[LoopRow] = []
+    paths: list[int] = []
     for joint in joints:
         if joint.name in used:
             continue
         ends = [names[name] for name in (joint.body_a, joint.body_b)]
         ends = [end if end >= 0 and free[end] else GROUNDED for end in ends]
-        ranges = [range_of[end] for end in ends if end != GROUNDED]
-        fields = {
-            "block": block[joint.name],
-            "a": place_of[ends[0]],
-            "b": place_of[ends[1]],
-            "first": min(first for first, _ in ranges),
-            "last": max(last for _, last in ranges),
-        }
-        rows = np.flatnonzero(system.rows[block[joint.name]].scale).tolist()
-        loops += [
-            filled(LoopRow, **fields, row=row, kept=-1, target=0.0, pull=0.0, own=0.0, rest=0.0)
-            for row in rows
-        ]
+        ranges = sorted({range_of[end] for end in ends if end != GROUNDED})
+        (first, last), (second, beyond) = ranges[0], ranges[1] if len(ranges) > 1 else (0, 0)
+        path: set[int] = set()
+        for number in ends:
+            above = place_of[number]
+            while above != GROUNDED:
+                path.add(above)
+                above = int(made[above].parent)
+        begin = len(paths)
+        paths += sorted(path, reverse=True)
+        for row in np.flatnonzero(system.rows[block[joint.name]].scale).tolist():
+            made_row = LoopRow.one()
+            made_row.block, made_row.row, made_row.kept = block[joint.name], row, -1
+            made_row.a, made_row.b = place_of[ends[0]], place_of[ends[1]]
+            made_row.first, made_row.last, made_row.second, made_row.end = first, last, second, beyond
+            made_row.path, made_row.path_end = begin, len(paths)
+            loops.append(made_row)
+    blocks = {block[name] for name in used}
+    carried_by = {place_of[number]: joint for number, (_, _, joint) in found.items()}
+    recorded: list[JointRecord] = []
+    if not rest and free.all():
+        column_of = {channel.name: channel.column for channel in layout.channels}
+        recorded = [_recorded(carried_by[i], column_of) for i in range(len(made))]
+        left = [one for one in layout.joints if not _markers_of(one, blocks)]
+    else:
+        left = [one for one in (_of_blocks(one, rest) for one in layout.joints) if one is not None]
+    own = {marker for one in layout.joints for marker in _markers_of(one, blocks)}
+    if recorded:
+        own |= {marker for one in layout.joints if one not in left for marker in _watched_by(one)}
+    markers = kind.markers[~np.isin(kind.markers["number"], list(own))]
+    if not recorded:
+        markers = markers[markers["level"] != RECORD]
+    count = len(loops)
     return Forest(
         bodies=made,
         poses=np.zeros(end),
@@ -447,12 +540,65 @@ def _plant(joints: Sequence[Joint], layout: Layout, kind: Any) -> Forest | None:
         spun=bool((made["joint"] >= BALL).any()),
         loaded=bool((kind.markers["level"] == FORCES).any()),
         rows=system,
-        joints=Joints(
-            [one for one in (_of_blocks(kind, rest) for kind in layout.joints) if one], layout.joints.groups
+        seen=Bodies(
+            [kind._replace(markers=records(kind.markers.dtype.type, list(markers)))], layout.bodies.groups
         ),
+        pushed=np.array(sorted(set(range(len(layout.work.markers))) - own), dtype=np.int64),
+        joints=Joints(left, layout.joints.groups),
+        recorded=records(JointRecord, recorded),
+        violation=system.monitor,
         loops=records(LoopRow, loops),
-        answers=np.zeros(len(loops) * (speed + len(loops) + 1)),
+        paths=np.array(paths, dtype=np.int64),
+        order=np.zeros(count + 1, dtype=np.int64),
+        answers=np.zeros(count * (speed + count + 1)),
     )
+
+
+MARKERS = ("a", "b", "c", "point_a", "point_b")
+"""Fields of the rows of joints that trees can have: numbers of markers, -1 for none."""
+
+
+def _markers_of(kind: Any, blocks: set[int]) -> set[int]:
+    """Markers that serve some blocks of rows alone."""
+    found: set[int] = set()
+    for name in kind._fields:
+        value = getattr(kind, name)
+        if isinstance(value, Arrays):
+            found |= _markers_of(value, blocks)
+        elif isinstance(value, np.ndarray) and "block" in (value.dtype.names or ()):
+            rows = value[np.isin(value["block"], list(blocks))]
+            for field in set(MARKERS) & set(value.dtype.names or ()):
+                found |= set(rows[field].tolist())
+    return found - {-1}
+
+
+def _watched_by(kind: Any) -> set[int]:
+    """Markers of the angles and travels that a kind of joints records: those of an entry are a record in it."""
+    found: set[int] = set()
+    for value in kind:
+        for field in getattr(value, "dtype", np.dtype(float)).names or ():
+            markers = value[field]
+            found |= {number for name in markers.dtype.names or () for number in markers[name].tolist()}
+    return found
+
+
+def _recorded(joint: Joint | None, columns: dict[str, int]) -> JointRecord:
+    """Where the joint of a body records, by the columns of all channels; nowhere without one."""
+    one = JointRecord.one()
+    one.reaction, one.turn, one.slide = (
+        -1 if joint is None else columns.get(f"{joint.name}.{channel}", -1)
+        for channel in ("reaction_force", "angle", "travel")
+    )
+    return one
+
+
+def stepped(layout: Layout) -> tuple[Bodies, Forces, Joints, Systems, Workspace]:
+    """The tables that the integrator steps and records: where trees record their joints, these are no rows."""
+    for place, forest in enumerate(layout.systems):
+        if isinstance(forest, Forest) and len(forest.recorded):
+            systems = Systems(layout.systems.kinds[place:], layout.systems.groups)
+            return forest.seen, layout.forces, forest.joints, systems, layout.work
+    return layout.bodies, layout.forces, layout.joints, layout.systems, layout.work
 
 
 def _of_blocks(kind: Any, rest: set[int]) -> Any:

@@ -31,8 +31,12 @@ def evaluate_trees(
     out: int,
     time: float,
     with_reactions: bool,
+    factored: bool,
 ) -> None:
-    """Trees: rates of the state vector at `at` into that at `out`; reactions into the rows if they are asked for."""
+    """Trees: rates of the state vector at `at` into that at `out`, or reactions, which are kept; without loops both.
+
+    The factor of this position may be there, from closing the loops in it.
+    """
 
 
 @optional("accurate")

@@ -11,6 +11,8 @@ out: in a pivoted factorization of S they leave nothing.
 
 from __future__ import annotations
 
+from typing import Any
+
 from heavylift.numerics.arrays import Floats1
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.rotation import rotate_by_exponential
@@ -25,7 +27,6 @@ from heavylift.numerics.vectors import (
     scaled,
     subtract,
     vector,
-    vector_at,
 )
 from heavylift.solver.integrate.trees.forest import (
     BALL,
@@ -44,6 +45,7 @@ __all__ = [
     "add_answers",
     "answer_rows",
     "choose_rows",
+    "factor_loops",
     "move_coordinates",
     "row_acceleration",
     "row_rate",
@@ -58,32 +60,48 @@ DEPENDENT = 1e-9
 """What a row that follows from others leaves of itself in the factorization."""
 
 
-@kernel(internal=True)
-def _push(forest: Forest, row: LoopRow, side: int, body: int) -> None:
-    """Force and moment of a row on one of its bodies, as biases."""
+@kernel(inline=True, internal=True)
+def _exert(forest: Forest, row: LoopRow, side: int, body: int) -> tuple[Vector, Vector]:
+    """Force and moment about the joint point of a unit of a row on one of its bodies, world axes."""
     if body < 0:
-        return
+        return ZERO, ZERO
     system, one = forest.rows, forest.bodies[body]
     at, lanes = system.attachments[2 * row.block + side].panel + row.row, system.lanes
     G = system.panels
     force = (G[at], G[at + lanes], G[at + 2 * lanes])
     moment = rotate(one.R, (G[at + 3 * lanes], G[at + 4 * lanes], G[at + 5 * lanes]))
-    moment = add(moment, cross(one.to_centre, force))
+    return force, add(moment, cross(one.to_centre, force))
+
+
+@kernel(inline=True, internal=True)
+def _push(one: TreeBody, force: Any, moment: Any) -> None:
+    """Take a force and a moment on a body as biases."""
     for k in range(3):
         one.row_moment[k] -= moment[k]
         one.row_force[k] -= force[k]
 
 
+@kernel(inline=True, internal=True)
+def _rest(one: TreeBody) -> None:
+    """No force of a row."""
+    put(one.row_moment, ZERO)
+    put(one.row_force, ZERO)
+    one.row_drive = 0.0
+
+
 @kernel(internal=True)
 def _answer(forest: Forest, row: LoopRow, out: int) -> None:
-    """Accelerations of the coordinates by a unit force of a row."""
+    """Accelerations of the coordinates by a unit force of a row: inward along its paths, outward over its trees."""
     for i in range(row.first, row.last):
-        put(forest.bodies[i].row_moment, ZERO)
-        put(forest.bodies[i].row_force, ZERO)
-    _push(forest, row, 0, row.a)
-    _push(forest, row, 1, row.b)
-    for i in range(row.last - 1, row.first - 1, -1):
-        one = forest.bodies[i]
+        _rest(forest.bodies[i])
+    for i in range(row.second, row.end):
+        _rest(forest.bodies[i])
+    if row.a >= 0:
+        _push(forest.bodies[row.a], row.force_a, row.moment_a)
+    if row.b >= 0:
+        _push(forest.bodies[row.b], row.force_b, row.moment_b)
+    for place in range(row.path, row.path_end):
+        one = forest.bodies[forest.paths[place]]
         joint, n, f = one.joint, vector(one.row_moment), vector(one.row_force)
         if joint <= SLIDER:
             u = -dot(one.along, n) if joint == HINGE else -dot(one.along, f)
@@ -106,6 +124,8 @@ def _answer(forest: Forest, row: LoopRow, out: int) -> None:
                 above.row_force[k] += f[k]
     values = forest.answers
     for i in range(row.first, row.last):
+        _accelerate(forest, forest.bodies[i], values, out)
+    for i in range(row.second, row.end):
         _accelerate(forest, forest.bodies[i], values, out)
 
 
@@ -149,66 +169,74 @@ def _accelerate(forest: Forest, one: TreeBody, values: Floats1, out: int) -> Non
 
 
 @kernel(inline=True, internal=True)
-def _along_row(forest: Forest, row: LoopRow, side: int, centre: Vector, turn: Vector) -> float:
-    """``G u`` of one side: velocity of the centre of mass in world axes and spin in principal axes."""
-    system = forest.rows
-    at, lanes = system.attachments[2 * row.block + side].panel + row.row, system.lanes
-    total = 0.0
-    for k in range(3):
-        total += system.panels[at + k * lanes] * centre[k] + system.panels[at + (3 + k) * lanes] * turn[k]
-    return total
-
-
-@kernel(inline=True, internal=True)
 def row_rate(forest: Forest, row: LoopRow) -> float:
-    """``G u`` of the velocities of the bodies as their kind reads them."""
+    """``G u`` of the velocities of the bodies as somebody has looked at them."""
     total = 0.0
     if row.a >= 0:
-        dof = forest.bodies[row.a].dof
-        total += _along_row(forest, row, 0, vector_at(forest.poses, dof), vector_at(forest.poses, dof + 3))
+        one = forest.bodies[row.a]
+        total += dot(row.force_a, one.velocity) + dot(row.moment_a, one.spin)
     if row.b >= 0:
-        dof = forest.bodies[row.b].dof
-        total += _along_row(forest, row, 1, vector_at(forest.poses, dof), vector_at(forest.poses, dof + 3))
+        one = forest.bodies[row.b]
+        total += dot(row.force_b, one.velocity) + dot(row.moment_b, one.spin)
     return total
 
 
 @kernel(inline=True, internal=True)
-def _side_answer(forest: Forest, row: LoopRow, side: int, body: int, first: int, last: int) -> float:
-    """``G X`` of one side, of the accelerations of a row in a range of bodies."""
-    if body < first or body >= last:
-        return 0.0
-    one = forest.bodies[body]
-    centre = add(vector(one.row_a), cross(one.row_alpha, one.to_centre))
-    return _along_row(forest, row, side, centre, rotate_back(one.R, one.row_alpha))
-
-
-@kernel(internal=True)
-def row_acceleration(forest: Forest, row: LoopRow, side: int, body: int, gravity: Vector) -> float:
+def _free_acceleration(one: TreeBody, force: Any, moment: Any, gravity: Vector) -> float:
     """``G a`` of one side with the accelerations that the bodies have without the rows."""
-    if body < 0:
-        return 0.0
-    one = forest.bodies[body]
     c, w = vector(one.to_centre), vector(one.spin)
-    centre = add(add(one.a, gravity), add(cross(one.alpha, c), cross(w, cross(w, c))))
-    return _along_row(forest, row, side, centre, rotate_back(one.R, one.alpha))
+    moved = add(add(one.a, gravity), cross(w, cross(w, c)))
+    return dot(force, moved) + dot(moment, one.alpha)
+
+
+@kernel(inline=True, internal=True)
+def row_acceleration(forest: Forest, row: LoopRow, gravity: Vector) -> float:
+    """``G a`` with the accelerations that the bodies have without the rows."""
+    total = 0.0
+    if row.a >= 0:
+        total += _free_acceleration(forest.bodies[row.a], row.force_a, row.moment_a, gravity)
+    if row.b >= 0:
+        total += _free_acceleration(forest.bodies[row.b], row.force_b, row.moment_b, gravity)
+    return total
+
+
+@kernel(inline=True, internal=True)
+def _moves(row: LoopRow, body: int) -> bool:
+    """Whether a body is in a tree that a row moves."""
+    return row.first <= body < row.last or row.second <= body < row.end
 
 
 @kernel(internal=True)
 def answer_rows(forest: Forest, of_all: bool) -> None:
-    """X and S of the rows that are kept, or of all."""
-    count, width = forest.loops.shape[0], forest.velocities
-    S = count * width
-    for i in range(count):
+    """X and S of the rows that are kept, or of all, in their order; S above its diagonal and below."""
+    order, every, width = forest.order, forest.loops.shape[0], forest.velocities
+    count = 0
+    for i in range(every):
         row = forest.loops[i]
-        if not (row.kept or of_all):
-            continue
+        if row.kept or of_all:
+            order[count] = i
+            count += 1
+            force, moment = _exert(forest, row, 0, row.a)
+            put(row.force_a, force)
+            put(row.moment_a, moment)
+            force, moment = _exert(forest, row, 1, row.b)
+            put(row.force_b, force)
+            put(row.moment_b, moment)
+    order[every] = count
+    values, S = forest.answers, every * width
+    for i in range(count):
+        row = forest.loops[order[i]]
         _answer(forest, row, i * width)
-        for j in range(count):
-            other = forest.loops[j]
-            if other.kept or of_all:
-                forest.answers[S + i * count + j] = _side_answer(
-                    forest, other, 0, other.a, row.first, row.last
-                ) + _side_answer(forest, other, 1, other.b, row.first, row.last)
+        for j in range(i, count):
+            other = forest.loops[order[j]]
+            total = 0.0
+            if _moves(row, other.a):
+                one = forest.bodies[other.a]
+                total += dot(other.force_a, one.row_a) + dot(other.moment_a, one.row_alpha)
+            if _moves(row, other.b):
+                one = forest.bodies[other.b]
+                total += dot(other.force_b, one.row_a) + dot(other.moment_b, one.row_alpha)
+            values[S + i * count + j] = values[S + j * count + i] = total
 
 
 @kernel(internal=True)
@@ -239,76 +267,77 @@ def choose_rows(forest: Forest) -> None:
 
 
 @kernel(internal=True)
-def solve_loops(forest: Forest) -> None:
-    """Forces of the rows that are kept from their targets, by ``L D L^T`` of the softened S and a refinement by S."""
-    count = forest.loops.shape[0]
-    S, at, G = forest.answers, count * forest.velocities, forest.rows.rows
+def factor_loops(forest: Forest) -> None:
+    """``L D L^T`` of the softened S, below its diagonal."""
+    order, every = forest.order, forest.loops.shape[0]
+    count, S, at = order[every], forest.answers, every * forest.velocities
     for i in range(count):
-        row = forest.loops[i]
-        row.pull = 0.0
-        if not row.kept:
-            continue
-        place = at + i * count
-        row.own = S[place + i]
-        for j in range(i + 1):
-            if not forest.loops[j].kept:
-                continue
-            total = S[place + j]
+        row = forest.loops[order[i]]
+        line = at + i * count
+        row.own = S[line + i]
+        for j in range(i):  # L D
+            other = at + j * count
+            total = S[line + j]
             for k in range(j):
-                if forest.loops[k].kept:
-                    total -= S[place + k] * S[at + j * count + k] * S[at + k * count + k]
-            if j == i:
-                S[place + j] = total + SOFTENING * G[row.block].scale[row.row]
-            else:
-                S[place + j] = total / S[at + j * count + j]
-    for _ in range(SOLUTIONS):
-        for i in range(count):  # what is left, by S above its diagonal
-            row = forest.loops[i]
-            if not row.kept:
-                continue
-            rest = row.target - row.own * row.pull
-            for j in range(count):
-                other = forest.loops[j]
-                if other.kept and j != i:
-                    rest -= S[at + min(i, j) * count + max(i, j)] * other.pull
-            row.rest = rest
-        _substitute(forest, S, at)
-        for i in range(count):
-            if forest.loops[i].kept:
-                forest.loops[i].pull += forest.loops[i].rest
+                total -= S[line + k] * S[other + k]
+            S[line + j] = total
+        pivot = row.own + SOFTENING * forest.rows.rows[row.block].scale[row.row]
+        for j in range(i):
+            part = S[line + j] * forest.loops[order[j]].inverse
+            pivot -= S[line + j] * part
+            S[line + j] = part
+        row.inverse = 1.0 / pivot
 
 
 @kernel(internal=True)
-def _substitute(forest: Forest, S: Floats1, at: int) -> None:
-    """``rest := ( L D L^T )^-1 rest``."""
-    count = forest.loops.shape[0]
+def solve_loops(forest: Forest) -> None:
+    """Forces of the rows that are kept from their targets, by the factor and a refinement by S."""
+    order, every = forest.order, forest.loops.shape[0]
+    count, S, at = order[every], forest.answers, every * forest.velocities
     for i in range(count):
-        row = forest.loops[i]
-        if row.kept:
+        row = forest.loops[order[i]]
+        row.pull, row.rest = 0.0, row.target
+    for solution in range(SOLUTIONS):
+        for i in range(count):
+            row = forest.loops[order[i]]
+            rest = row.rest
+            if solution > 0:  # what is left, by S above its diagonal
+                rest = row.target - row.own * row.pull
+                for j in range(i):
+                    rest -= S[at + j * count + i] * forest.loops[order[j]].pull
+                for j in range(i + 1, count):
+                    rest -= S[at + i * count + j] * forest.loops[order[j]].pull
             for j in range(i):
-                if forest.loops[j].kept:
-                    row.rest -= S[at + i * count + j] * forest.loops[j].rest
-    for i in range(count - 1, -1, -1):
-        row = forest.loops[i]
-        if row.kept:
-            row.rest /= S[at + i * count + i]
+                rest -= S[at + i * count + j] * forest.loops[order[j]].rest
+            row.rest = rest
+        for i in range(count - 1, -1, -1):
+            row = forest.loops[order[i]]
+            rest = row.rest * row.inverse
             for j in range(i + 1, count):
-                if forest.loops[j].kept:
-                    row.rest -= S[at + j * count + i] * forest.loops[j].rest
+                rest -= S[at + j * count + i] * forest.loops[order[j]].rest
+            row.rest = rest
+        for i in range(count):
+            row = forest.loops[order[i]]
+            row.pull += row.rest
 
 
 @kernel(internal=True)
 def add_answers(forest: Forest, values: Floats1, out: int) -> None:
     """``a += X l``."""
-    for i in range(forest.loops.shape[0]):
-        row = forest.loops[i]
-        if not row.kept:
-            continue
-        begin, end = forest.bodies[row.first].speed, forest.velocities
-        if row.last < forest.bodies.shape[0]:
-            end = forest.bodies[row.last].speed
-        for k in range(begin, end):
-            values[out + k] += row.pull * forest.answers[i * forest.velocities + k]
+    order = forest.order
+    for i in range(order[forest.loops.shape[0]]):
+        row, line = forest.loops[order[i]], i * forest.velocities
+        for k in range(forest.bodies[row.first].speed, _speed_at(forest, row.last)):
+            values[out + k] += row.pull * forest.answers[line + k]
+        if row.end > row.second:
+            for k in range(forest.bodies[row.second].speed, _speed_at(forest, row.end)):
+                values[out + k] += row.pull * forest.answers[line + k]
+
+
+@kernel(inline=True, internal=True)
+def _speed_at(forest: Forest, body: int) -> int:
+    """Place of the velocities of a body, or behind those of the last one."""
+    return forest.bodies[body].speed if body < forest.bodies.shape[0] else forest.velocities
 
 
 @kernel(internal=True)

@@ -44,11 +44,13 @@ from heavylift.solver.integrate.trees.loops import (
     add_answers,
     answer_rows,
     choose_rows,
+    factor_loops,
     move_coordinates,
     row_acceleration,
     row_rate,
     solve_loops,
 )
+from heavylift.solver.integrate.trees.record import note_joints
 from heavylift.solver.integrate.trees.sweeps import (
     ZERO,
     accelerate,
@@ -99,37 +101,45 @@ def evaluate_forest(
     out: int,
     time: float,
     with_reactions: bool,
+    factored: bool,
 ) -> None:
-    """Bodies are looked at only if forces or rows need them; loads come as what they would accelerate a body alone."""
+    """Bodies are looked at only if forces or rows need them; loads come as what they would accelerate a body alone.
+
+    Where loops are to give their reactions, there are no rates.
+    """
     values, sums, loaded = integration.vectors, work.sums, forest.loaded
     looped = forest.loops.shape[0] > 0
     pose_outward(forest, values, at)
-    if loaded or looped:
+    if with_reactions and looped:
         see_bodies(forest, values, at)
         begin_stage(bodies, time, forest.poses, 0, work)
+    elif loaded or looped:
+        see_bodies(forest, values, at)
+        begin_stage(forest.seen, time, forest.poses, 0, work)
     sums.gravity[0] = sums.gravity[1] = sums.gravity[2] = 0.0
     sums.external_work = sums.drive_work = sums.dissipated = 0.0
     if loaded:
-        for marker in range(work.markers.shape[0]):
-            for k in range(3):
-                work.markers[marker].force[k] = 0.0
+        for i in range(forest.pushed.shape[0]):
+            put(work.markers[forest.pushed[i]].force, ZERO)
     add_forces(forces, time, work)
+    if with_reactions and looped:  # of all rows, since those that follow from others share
+        free_acceleration(bodies, forest.poses, 0, work)
+        constrain(systems, bodies, joints, integration, at, True, False, work, time)
+        return
     gravity = vector(sums.gravity)
     if loaded:
-        free_acceleration(bodies, forest.poses, 0, work)
+        free_acceleration(forest.seen, forest.poses, 0, work)
         _add_loads(forest, work)
         gravity = ZERO
     gather_inward(forest)
     accelerate(forest, gravity, values, out)
     if looped:
-        _hold_loops(forest, gravity, values, out, work, time)
+        _hold_loops(forest, gravity, values, out, factored, work, time)
     _write_rates(forest, values, at, out)
     end = out + values.shape[0] // VECTORS - QUADRATURES
     values[end], values[end + 1], values[end + 2] = sums.external_work, sums.drive_work, sums.dissipated
-    if with_reactions and looped:  # rows that follow from others share
-        if not loaded:
-            free_acceleration(bodies, forest.poses, 0, work)
-        constrain(systems, bodies, joints, integration, at, True, False, work, time)
+    if with_reactions and forest.recorded.shape[0] > 0:
+        note_joints(forest, values, at)
     elif with_reactions:
         _find_reactions(forest, values, at)
 
@@ -225,33 +235,29 @@ def write_forest_velocities(forest: Forest, values: Floats1, at: int, rate: int)
 
 @kernel(internal=True)
 def _hold_loops(
-    forest: Forest, gravity: Vector, values: Floats1, out: int, work: Workspace, time: float
+    forest: Forest, gravity: Vector, values: Floats1, out: int, factored: bool, work: Workspace, time: float
 ) -> None:
     """Accelerations that keep the rows which no joint of a tree replaces."""
-    fill_rows(forest.joints, False, work, forest.rows)
+    if not factored:
+        fill_rows(forest.joints, False, work, forest.rows)
+        answer_rows(forest, False)
+        factor_loops(forest)
     fill_bias(forest.joints, time, work, forest.rows)
-    answer_rows(forest, False)
-    for i in range(forest.loops.shape[0]):
-        row = forest.loops[i]
+    for i in range(forest.order[forest.loops.shape[0]]):
+        row = forest.loops[forest.order[i]]
         target = forest.rows.rows[row.block].target
-        row.target = (
-            target[row.row]
-            - row_acceleration(forest, row, 0, row.a, gravity)
-            - row_acceleration(forest, row, 1, row.b, gravity)
-        )
+        row.target = target[row.row] - row_acceleration(forest, row, gravity)
     solve_loops(forest)
     add_answers(forest, values, out)
 
 
 @kernel(inline=True, internal=True)
-def _look_at_loops(
-    forest: Forest, bodies: Bodies, integration: Integration, at: int, work: Workspace, time: float
-) -> None:
+def _look_at_loops(forest: Forest, integration: Integration, at: int, work: Workspace, time: float) -> None:
     """Rows and residuals of a state vector."""
     values = integration.vectors
     pose_outward(forest, values, at)
     see_bodies(forest, values, at)
-    begin_stage(bodies, time, forest.poses, 0, work)
+    begin_stage(forest.seen, time, forest.poses, 0, work)
     fill_rows(forest.joints, True, work, forest.rows)
 
 
@@ -269,26 +275,28 @@ def _largest_gap(forest: Forest) -> tuple[float, float]:
 
 
 @kernel(internal=True)
-def _close_loops(
-    forest: Forest, bodies: Bodies, integration: Integration, at: int, work: Workspace, time: float
-) -> None:
-    """A Newton step of the positions, in which rows are chosen anew if one that was left out opens; velocities."""
+def _close_loops(forest: Forest, integration: Integration, at: int, work: Workspace, time: float) -> None:
+    """A Newton step of the positions, in which rows are chosen anew if one that was left out opens; velocities.
+
+    The factor of the closed position stays.
+    """
     values, rate = integration.vectors, END_RATE * (integration.vectors.shape[0] // VECTORS)
-    _look_at_loops(forest, bodies, integration, at, work, time)
+    _look_at_loops(forest, integration, at, work, time)
     for attempt in range(CLOSINGS):
         gather_inward(forest)
         if attempt > 0 or forest.loops[0].kept < 0:
             choose_rows(forest)
         answer_rows(forest, False)
-        for i in range(forest.loops.shape[0]):
-            row = forest.loops[i]
+        factor_loops(forest)
+        for i in range(forest.order[forest.loops.shape[0]]):
+            row = forest.loops[forest.order[i]]
             row.target = -forest.rows.rows[row.block].residual[row.row]
         solve_loops(forest)
         for i in range(forest.velocities):
             values[rate + i] = 0.0
         add_answers(forest, values, rate)
         move_coordinates(forest, values, at, values, rate)
-        _look_at_loops(forest, bodies, integration, at, work, time)
+        _look_at_loops(forest, integration, at, work, time)
         gap, opening = _largest_gap(forest)
         if gap < OPEN:
             break
@@ -296,8 +304,9 @@ def _close_loops(
             integration.progress.left_open = max(integration.progress.left_open, opening)
     gather_inward(forest)
     answer_rows(forest, False)
-    for i in range(forest.loops.shape[0]):
-        row = forest.loops[i]
+    factor_loops(forest)
+    for i in range(forest.order[forest.loops.shape[0]]):
+        row = forest.loops[forest.order[i]]
         row.target = -row_rate(forest, row)
     solve_loops(forest)
     add_answers(forest, values, at)
@@ -318,7 +327,7 @@ def close_forest(
 ) -> None:
     """Joints of trees never open."""
     if forest.loops.shape[0] > 0:
-        _close_loops(forest, bodies, integration, at, work, time)
+        _close_loops(forest, integration, at, work, time)
     if not forest.spun:
         return
     values = integration.vectors

@@ -137,6 +137,45 @@ def test_parallel_axes_are_the_limit_of_those_that_are_not(seed: int) -> None:
     np.testing.assert_allclose(found[0][1], found[1][1], atol=1e-10)
 
 
+@pytest.mark.parametrize("seed", range(20))
+def test_a_long_rope_is_the_sum_of_short_ones_between_eyes(seed: int) -> None:
+    """Many parts are solved side by side, three are not: lengths, derivatives and wraps are the same."""
+    rng = np.random.default_rng(seed)
+    pieces = int(rng.integers(2, 9))
+    count = 3 * pieces + 1
+    places = np.zeros((count, 7))
+    places[:, :3] = 2.0 * rng.normal(size=(count, 3)) + np.arange(count)[:, None] * np.array([9.0, 0.0, 0.0])
+    tilt = rng.choice([1e-3, 0.1, 3.0])
+    axes = np.array([0.0, 0.0, 1.0]) * rng.choice([-1.0, 1.0], count)[:, None] + tilt * rng.normal(
+        size=(count, 3)
+    )
+    places[:, 3:6] = axes / np.linalg.norm(axes, axis=1)[:, None]
+    places[:, 6] = rng.uniform(0.1, 0.7, count)
+    places[::3, 6] = 0.0
+    wraps = np.full(count, START_WRAP) + rng.choice([0.0, 2.0 * math.pi], count)
+    apart = wraps.copy()
+    length, gradient = length_and_gradient(places, wraps)
+    total, by_place = 0.0, np.zeros_like(gradient)
+    for first in range(0, count - 1, 3):
+        piece = slice(first, first + 4)
+        found = length_and_gradient(places[piece], apart[piece])
+        total += found[0]
+        by_place[piece] += found[1]
+    assert length == pytest.approx(total, rel=1e-13)
+    np.testing.assert_allclose(gradient, by_place, atol=1e-12)
+    np.testing.assert_allclose(np.maximum(wraps, 0.0), np.maximum(apart, 0.0), atol=1e-12)
+
+
+def test_a_fall_of_many_parts_between_blocks_with_one_axis_each() -> None:
+    """n parts of sqrt(H^2 + s^2) from half turn to half turn, s aside and H apart."""
+    r, H, s, count = 0.4, 20.0, 0.15, 17
+    fall = [place((-r if count % 2 else r, -H, -s), 0.0)]
+    fall += [place((0, 0.0 if k % 2 == 0 else -H, k * s), r, (0, 0, -1)) for k in range(count)]
+    fall.append(place((r, -H if count % 2 else 0.0, count * s)))
+    expected = (count + 1) * math.hypot(H, s) + count * math.pi * r
+    assert length(np.array(fall)) == pytest.approx(expected, rel=1e-13)
+
+
 def test_wrap_is_continuous_through_full_turns() -> None:
     """An end that circles the pulley winds the rope up: r times the angle."""
     r, R = 0.5, 3.0
