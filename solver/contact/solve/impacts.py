@@ -326,9 +326,11 @@ def _close_one(contacts: ContactRows, c: int, step: float, ahead: float, work: W
     reaction = contacts.rows[c].reaction
     kind = contacts.table[c].law
     touched = state.present or state.new or state.closed
-    kept = 0.0  # of the force before, in a part of a step
-    if not contacts.control.uncut and kind != COMPLIANT:
-        kept = 1.0 - step / contacts.control.nominal_step
+    window, kept = step, 0.0  # what the force is a mean over; share of the one before
+    if kind != COMPLIANT and not contacts.control.uncut:
+        window = min(state.window + step, contacts.control.nominal_step)
+        kept = 1.0 - step / window
+    state.window = window
     if not touched and state.sleep > 0.0:
         state.step_impulse = state.slip_speed = 0.0
         state.changed = state.middle_force[0] != 0.0
@@ -352,13 +354,18 @@ def _close_one(contacts: ContactRows, c: int, step: float, ahead: float, work: W
     state.impulse += abs(total) if kind == CURVE else total
     state.step_impulse = total
     new, struck = state.new, contacts.control.struck
-    resting = state.present if not new else not struck and not _is_blow(contacts, c, _approach(contacts, c))
+    resting = state.present
+    if new:
+        blow = _is_blow(contacts, c, _approach(contacts, c))
+        resting = not struck and not blow
+        if blow:
+            state.window = kept = 0.0
     apart = struck and not new and state.closed  # the end of the step is that of the blow
     for r in range(3):
         middle = 0.0
         if resting:
             middle = 2.0 * half_impulse[r] if apart else 2.0 * half_impulse[r] + impulse[r]
-            middle /= contacts.control.nominal_step if kept > 0.0 else step
+            middle /= window
         before = state.middle_force[r]
         if r == 0:
             state.changed = (before != 0.0) != (middle != 0.0)

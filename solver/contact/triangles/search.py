@@ -328,6 +328,7 @@ def _add(
     state.side, state.start_gap, state.gap = side, start, start
     state.shift = moved  # or it would take part one step late
     state.hit, state.patch = found.hit, meshes.keeps[i]
+    state.window = contacts.control.nominal_step  # it has borne nothing
     narrow_phase_mesh(meshes, contacts, bodies, c, work)
     # the rate at the start of the step, of a gap that is a parabola
     rate = contact_rates(contacts, c, work.velocity)[0]

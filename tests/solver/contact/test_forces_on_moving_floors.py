@@ -113,6 +113,33 @@ def test_boxes_ride_on_a_floor_that_heaves(events: bool) -> None:
     np.testing.assert_allclose(found["deck-b0.normal_force_min"][2:], 2.0 * MASS * a, atol=4e-3 * WEIGHT)
 
 
+@EVENTS
+def test_a_box_leaves_a_floor_that_heaves_and_lands_on_it(events: bool) -> None:
+    """Nothing in flight; from the step of the landing on again ``m (g + z'')``, whatever is left of that step."""
+    amplitude, rate = 0.4, 2.0 * np.pi
+    heave = Driven(z=Profile(harmonics=(Harmonic(amplitude, 1.0, -0.5 * np.pi),)))
+    deck = replace(body("deck", mass=1e4, inertia=1e5), motion=heave)
+    box = body("b0", (0.0, 0.0, 0.5 - amplitude))
+    found = run(
+        scene([(deck, DECK), (box, CUBE)], None, [("deck", "b0")], friction=0.5, events=events), 0.005, 2.0
+    )
+    height = found["b0.position"][:, 2] - 0.5 - found["deck.position"][:, 2]
+    needed = MASS * (G + amplitude * rate**2 * np.cos(rate * found.times))
+    flies = height > 1e-6
+    landing = ~flies & np.append(False, flies[:-1])
+    force = found["deck-b0.normal_force"]
+    assert flies.sum() > 200
+    assert landing.sum() == 2
+    assert not force[flies].any()
+    rests = ~flies & (needed > 0.0)
+    rests[0] = False
+    if not events:  # the row that has stopped it tells no force of that step
+        assert not force[landing].any()
+        rests &= ~landing
+    np.testing.assert_allclose(force[rests], needed[rests], atol=4e-3 * WEIGHT)
+    assert found["deck-b0.normal_force_max"].max() < needed.max() + 4e-3 * WEIGHT
+
+
 @pytest.mark.parametrize("step", [0.01, 0.002])
 def test_a_box_falls_on_one_that_rests_without_events(step: float) -> None:
     """What meets without restitution stays together; its impulse is m sqrt(2 g h), and half of it stays in no jump."""
