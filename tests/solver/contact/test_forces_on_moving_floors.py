@@ -184,3 +184,23 @@ def test_a_box_rides_on_a_floor_that_rocks_with_a_compliant_law() -> None:
     later = slice(200, None)
     np.testing.assert_allclose(found["deck-b0.normal_force"][later], normal[later], atol=5e-3 * WEIGHT)
     np.testing.assert_allclose(found["deck-b0.normal_force_min"][later], normal[later], atol=5e-3 * WEIGHT)
+
+
+def test_boxes_that_press_each_other_sideways_weigh_what_they_weigh() -> None:
+    """Three boxes flush in a row: what they press each other with changes in each step, with friction at its bound."""
+    deck, spin = pile_on_rocking_floor(0).bodies[0], ANGLE * RATE * AXIS
+    places = {f"b{i}": np.array([i - 1.0, 0.0, 0.5]) for i in range(3)}
+    boxes = [
+        (body(name, x, velocity=np.cross(spin, x - PIVOT), spin=spin), CUBE) for name, x in places.items()
+    ]
+    pairs = [*(("deck", name) for name in places), ("b0", "b1"), ("b1", "b2")]
+    found = run(scene([(deck, DECK), *boxes], None, pairs, friction=0.6), 0.01, 1.0)
+    a = ANGLE * np.sin(RATE * found.times)[:, np.newaxis]
+    rate, turning = ANGLE * RATE * np.cos(RATE * found.times)[:, np.newaxis], -(RATE**2) * a
+    expected = np.zeros((len(a), 3))
+    for x in places.values():
+        arm = turned(found.times) @ (x - PIVOT)
+        tangential = turning * np.cross(AXIS, arm)
+        expected += MASS * (tangential + rate**2 * np.cross(AXIS, np.cross(AXIS, arm)) + (0.0, 0.0, G))
+    total = sum(found[f"deck-{name}.force"] for name in places)
+    np.testing.assert_allclose(total[2:], expected[2:], atol=2e-3 * 3.0 * WEIGHT)
