@@ -59,6 +59,7 @@ if TYPE_CHECKING:
     from heavylift.contours.triangles.surface_pack import CollisionSurfaces
 
 __all__ = [
+    "GROWTH",
     "HIT",
     "NEAR",
     "NEITHER",
@@ -87,6 +88,11 @@ PRESSED = 3
 
 ON_BORDER = 1e-9
 """Part of a face or edge by which a point may lie outside of it and still count as inside."""
+
+GROWTH = 10.0
+"""Of the rounding, and no more than the reach: by which faces are larger for vertices. One that rests on a floor, a
+little too low, must not slip through under a wall that stands on it; nor may one that has hopped a little from a box
+touch the side below."""
 
 LEVEL = 1e-6
 """Cosine below which a neighbourhood tells no side."""
@@ -359,7 +365,7 @@ def vertex_is_behind(
         for k in range(vertex_first[vertex], vertex_first[vertex + 1]):
             e = subtract(fixed_point(points, surfaces.vertex_neighbours[k]), fixed_point(points, vertex))
             e = turn_at(e, meeting.motion, t, face_moves)
-            if fan_is_crossed(surfaces, corner, d, x, e, middle, meeting.rounding):
+            if fan_is_crossed(surfaces, corner, d, x, e, middle, GROWTH * meeting.rounding):
                 return True
     return False
 

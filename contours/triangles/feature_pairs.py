@@ -20,6 +20,7 @@ from heavylift.contours.triangles.feature_gap import (
     to_axes_of_b,
 )
 from heavylift.contours.triangles.feature_judge import (
+    GROWTH,
     HIT,
     NEITHER,
     Meeting,
@@ -64,10 +65,6 @@ POSITION_DIFFERENCE = 1
 ROUNDING = 1e-6
 """Part of the smaller surface by which positions that touch may differ: a simulation leaves bodies at rest a little
 inside each other, and impacts are found to a tolerance."""
-
-GROWTH = 10.0
-"""Of that, and no more than the reach: by which faces are larger for vertices. One that rests on a floor, a little too
-low, must not slip through under a wall that stands on it."""
 
 Box = tuple[float, float, float, float, float, float]
 """Around the path of a feature: lowest coordinates [m], then highest."""

@@ -221,9 +221,9 @@ class ContactState(Record):
         Whether it has borne in this step and not in the one before, or the other way round.
     warm_start
         Impulses of the last step, which start the next iteration [N s].
-    middle_force
-        Forces of the three rows in the middle of the last step [N], without those of blows; of a step that was cut the
-        mean over about a whole one.
+    middle_force, window
+        Forces of the three rows in the middle of the last step [N], without those of blows; and the time over which
+        they are a mean [s]: of a step that was cut about that of a whole one, but since the last blow.
     new, near, present
         Whether it closes at the end of this step; whether it was near at its beginning; whether it takes part in the
         present stage.
@@ -246,6 +246,8 @@ class ContactState(Record):
         Gap at the start of the step they were found in [m]; rate of the gap when this step began [m/s].
     step_impulse
         Normal impulse of the last step [N s].
+    joined
+        Whether it has begun to rest in this step because one beside it has gone.
     has_left
         Whether it had slid off its features at the end of the last step.
     slots
@@ -292,6 +294,7 @@ class ContactState(Record):
     touch_damping: float
     warm_start: Vector
     middle_force: Vector
+    window: float
     changed: bool
     new: bool
     near: bool
@@ -313,6 +316,7 @@ class ContactState(Record):
     share: float
     step_impulse: float
     has_left: bool
+    joined: bool
     start_beside: float
     start_rate: float
     slots: Annotated[NDArray[np.int64], (2,)]

@@ -62,6 +62,9 @@ OFF = 1e-4
 SHORTEST_PART = 1e-3
 """Of a whole step, down to which it is halved while the impulses at its end are not found."""
 
+TAKEN = 1e-3
+"""Of a force: what is taken away by less when it is carried on to the end of a step is not missed."""
+
 STICKING = 1e-9
 """Share of the bound below which a friction impulse counts as one that holds."""
 
@@ -265,6 +268,8 @@ def close_contact_step(
     # what keeps a contact without compliance closed is an impulse: over a part of a cut step it is no force
     contacts.control.uncut = step >= UNCUT * contacts.control.nominal_step
     ahead = carried_on(step, work)
+    for i in range(contacts.island_loss.shape[0]):
+        contacts.island_loss[i] = 0.0
     for c in range(contact_count(contacts)):
         if rests(contacts, c):
             state = contacts.state[c]
@@ -272,6 +277,7 @@ def close_contact_step(
             state.impulse += state.step_impulse
         else:
             _close_one(contacts, c, step, ahead, work)
+    _stay_in_middle(contacts)
     interval = work.control.interval
     for c in range(contacts.counts.of_contours):
         state = contacts.state[c]
@@ -326,9 +332,11 @@ def _close_one(contacts: ContactRows, c: int, step: float, ahead: float, work: W
     reaction = contacts.rows[c].reaction
     kind = contacts.table[c].law
     touched = state.present or state.new or state.closed
-    kept = 0.0  # of the force before, in a part of a step
-    if not contacts.control.uncut and kind != COMPLIANT:
-        kept = 1.0 - step / contacts.control.nominal_step
+    window, kept = step, 0.0  # what the force is a mean over; share of the one before
+    if kind != COMPLIANT and not contacts.control.uncut:
+        window = min(state.window + step, contacts.control.nominal_step)
+        kept = 1.0 - step / window
+    state.window = window
     if not touched and state.sleep > 0.0:
         state.step_impulse = state.slip_speed = 0.0
         state.changed = state.middle_force[0] != 0.0
@@ -352,13 +360,18 @@ def _close_one(contacts: ContactRows, c: int, step: float, ahead: float, work: W
     state.impulse += abs(total) if kind == CURVE else total
     state.step_impulse = total
     new, struck = state.new, contacts.control.struck
-    resting = state.present if not new else not struck and not _is_blow(contacts, c, _approach(contacts, c))
+    resting = state.present
+    if new:
+        blow = _is_blow(contacts, c, _approach(contacts, c))
+        resting = not struck and not blow
+        if blow:
+            state.window = kept = 0.0
     apart = struck and not new and state.closed  # the end of the step is that of the blow
     for r in range(3):
         middle = 0.0
         if resting:
             middle = 2.0 * half_impulse[r] if apart else 2.0 * half_impulse[r] + impulse[r]
-            middle /= contacts.control.nominal_step if kept > 0.0 else step
+            middle /= window
         before = state.middle_force[r]
         if r == 0:
             state.changed = (before != 0.0) != (middle != 0.0)
@@ -377,6 +390,8 @@ def _close_one(contacts: ContactRows, c: int, step: float, ahead: float, work: W
         # of more contacts than needed some bear nothing, and rest all the same
         if contacts.table[c].shape_kind == TRIANGLES:
             stays = stays or (state.closed and state.end_gap <= gap_tolerance(contacts, c, a))
+            stays = stays or state.joined
+            state.joined = False
         stays = stays or (state.new and a <= REST * abs(state.rate))
         state.closed = stays
         if total > 0.0:
@@ -396,8 +411,26 @@ def _close_one(contacts: ContactRows, c: int, step: float, ahead: float, work: W
         kept = slip_energy(contacts, c)
         state.jump += state.kept - kept
         state.kept = kept
-    keep_in_cone(contacts, c, reaction, kind)
+    if keep_in_cone(contacts, c, reaction, kind) and kind == RIGID:
+        contacts.island_loss[contacts.islands[owner_of(contacts, c)]] = 1.0
     write_force(contacts, c, reaction, kind)
+
+
+@kernel(internal=True)
+def _stay_in_middle(contacts: ContactRows) -> None:
+    """Forces of islands that cannot be carried on to the end of the step stay those of its middle, all of them.
+
+    Of more contacts than needed each bears something else in each step. What one cannot take by its law when it is
+    carried on would be missing in the sum of all.
+    """
+    for c in range(contact_count(contacts)):
+        state = contacts.state[c]
+        out = contacts.island_loss[contacts.islands[owner_of(contacts, c)]] > 0.0
+        if out and contacts.table[c].law == RIGID and not rests(contacts, c):
+            state.changed = False
+            for r in range(3):
+                contacts.rows[c].reaction[r] = state.middle_force[r]
+            write_force(contacts, c, contacts.rows[c].reaction, RIGID)
 
 
 @kernel(inline=True, internal=True)
@@ -438,18 +471,25 @@ def pressed_force(contacts: ContactRows, c: int, rate: float) -> float:
 
 
 @kernel(internal=True)
-def keep_in_cone(contacts: ContactRows, c: int, reaction: NDArray[np.float64], kind: int) -> None:
-    """Forces that were carried on to the end of the step obey the law too: none pulls, friction has its bound."""
+def keep_in_cone(contacts: ContactRows, c: int, reaction: NDArray[np.float64], kind: int) -> bool:
+    """Forces that were carried on to the end of the step obey the law too: none pulls, friction has its bound.
+
+    Whether more than `TAKEN` of the force in the middle of the step had to be taken away.
+    """
     first = 2 if kind == CURVE else 1
     normal = math.hypot(reaction[0], reaction[1]) if kind == CURVE else reaction[0]
+    most, taken = TAKEN * abs(contacts.state[c].middle_force[0]), False
     if kind == RIGID or kind == COMPLIANT:  # noqa: PLR1714, SIM109  a set costs time here
+        taken = reaction[0] < -most
         normal = reaction[0] = max(reaction[0], 0.0)
     bound, found = contacts.values[c].friction * abs(normal), 0.0
     for r in range(first, 3):
         found = math.hypot(found, reaction[r])
     if found > bound:
+        taken = taken or found - bound > most
         for r in range(first, 3):
             reaction[r] *= bound / found
+    return bool(taken)
 
 
 @kernel(inline=True, internal=True)

@@ -9,9 +9,9 @@ from heavylift.numerics.vectors import add, add_scaled, cross, rotate, scaled
 from heavylift.solver.contact.kind import COMPLIANT, ContactRows
 from heavylift.solver.contact.laws.normal_force import stored_energy
 from heavylift.solver.contact.triangles.kind import SurfacePairs
-from heavylift.solver.contact.triangles.sides import ALIGNED, aligned, evaluate, holds
+from heavylift.solver.contact.triangles.sides import ABOUT_NOTHING, ALIGNED, aligned, evaluate, holds
 
-__all__ = ["book_jump", "goes_on", "turn_memory"]
+__all__ = ["book_jump", "goes_on", "pass_on", "turn_memory"]
 
 WAYS = 4.0
 """Ways of the step, and of the contact beyond its border, within which it continues."""
@@ -91,6 +91,28 @@ def _distance(meshes: SurfacePairs, contacts: ContactRows, pair: int, c: int, tu
     d2 = x2 + pose.origin[1] - state.touched[1]
     d3 = x3 + pose.origin[2] - state.touched[2]
     return math.sqrt(d1 * d1 + d2 * d2 + d3 * d3)
+
+
+@kernel(internal=True)
+def pass_on(meshes: SurfacePairs, contacts: ContactRows, c: int) -> None:
+    """A contact that goes leaves what it bears to those that are there beside it, of whatever features.
+
+    Where a corner creeps past a flush edge, the edges of both cross at that place, as near as the corner was: what
+    rests would fall by that gap, which is rounding.
+    """
+    state, one = contacts.state[c], meshes.pairs[contacts.state[c].pair]
+    size = contacts.values[c].length_scale
+    moved = contacts.poses[one.poses[0]].step_shift + contacts.poses[one.poses[1]].step_shift
+    farthest, k = WAYS * (moved + state.beside) + SAME_PLACE * size, one.first_member
+    while k >= 0:
+        other, cosine, square = contacts.state[k], 0.0, 0.0
+        for i in range(3):
+            cosine += state.normal[i] * other.normal[i]
+            square += (state.touched[i] - other.touched[i]) ** 2
+        near = square <= farthest * farthest and abs(other.end_gap - state.end_gap) <= ABOUT_NOTHING * size
+        if k != c and not other.beside > one.border and near and cosine > ALIGNED and other.hit >= 0:
+            other.closed = other.joined = True
+        k = meshes.next_member[k]
 
 
 @kernel(internal=True)

@@ -21,7 +21,7 @@ from heavylift.solver.contact.triangles.facets import refit_facets
 from heavylift.solver.contact.triangles.feature_search import find_features, way_of
 from heavylift.solver.contact.triangles.interface import search_surfaces
 from heavylift.solver.contact.triangles.kind import SurfacePairs, placed_pose
-from heavylift.solver.contact.triangles.load_transfer import book_jump, goes_on, turn_memory
+from heavylift.solver.contact.triangles.load_transfer import book_jump, goes_on, pass_on, turn_memory
 from heavylift.solver.contact.triangles.material import settle_by_material
 from heavylift.solver.contact.triangles.modal_facets import follow_modes, place_near
 from heavylift.solver.contact.triangles.narrow_phase import narrow_phase_mesh, relative_pose
@@ -328,6 +328,7 @@ def _add(
     state.side, state.start_gap, state.gap = side, start, start
     state.shift = moved  # or it would take part one step late
     state.hit, state.patch = found.hit, meshes.keeps[i]
+    state.window = contacts.control.nominal_step  # it has borne nothing
     narrow_phase_mesh(meshes, contacts, bodies, c, work)
     # the rate at the start of the step, of a gap that is a parabola
     rate = contact_rates(contacts, c, work.velocity)[0]
@@ -362,7 +363,9 @@ def _finish_contacts(meshes: SurfacePairs, contacts: ContactRows) -> None:
             if not holds(contacts, c):  # goes; if it comes back, it is found with the side it comes from
                 state.patch = -1
                 state.end_gap = FAR_AWAY * (size + meshes.pairs[state.pair].reach)
-            elif state.has_left:  # nothing beyond the border took it over for a whole step
+            elif state.has_left:  # no new contact beyond the border took it over for a whole step
+                if state.closed:
+                    pass_on(meshes, contacts, c)
                 state.end_gap = max(state.end_gap, size)
             book_jump(contacts, c, gap)  # what it has stored is lost
         state.has_left = beside
