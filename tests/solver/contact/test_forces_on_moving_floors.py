@@ -11,11 +11,12 @@ import pytest
 from mesh_contact_scenes import MASS, G, Run, body, run, scene
 
 from heavylift.numerics.rotation import rotation_matrix
-from heavylift.preprocess.surfaces.primitives import box_surface
+from heavylift.preprocess.surfaces.primitives import box_surface, plane_surface
 from heavylift.preprocess.surfaces.triangle_surface import TriangleSurface
+from heavylift.solver.forces.point import PointForce
 from heavylift.solver.scene.bodies import Driven, Harmonic, Profile
 from heavylift.solver.scene.contacts import LinearLaw, RigidLaw
-from heavylift.solver.scene.scene import Scene
+from heavylift.solver.scene.scene import Gravity, Scene
 from heavylift.solver.simulation import Simulation
 
 if TYPE_CHECKING:
@@ -138,6 +139,24 @@ def test_a_box_leaves_a_floor_that_heaves_and_lands_on_it(events: bool) -> None:
         rests &= ~landing
     np.testing.assert_allclose(force[rests], needed[rests], atol=4e-3 * WEIGHT)
     assert found["deck-b0.normal_force_max"].max() < needed.max() + 4e-3 * WEIGHT
+
+
+@pytest.mark.parametrize("step", [0.01, 0.005])
+def test_friction_is_whole_while_corners_share_it_anew_in_each_step(step: float) -> None:
+    """A box is pushed harder and harder until it slides: friction is the push, then its bound; the load is the weight.
+
+    Above 0.44 of the weight some corners are at their bounds, and which ones of the others bear the rest changes from
+    step to step.
+    """
+    forces = np.array([[0.0, 0.0, 0.0], [0.6 * WEIGHT, 0.0, 0.0]])
+    push = PointForce("push", "b", np.zeros(3), np.array([0.0, 2.0]), forces)
+    made = scene([(body("b", (0.0, 0.0, 0.5)), CUBE)], plane_surface(9.0), [("floor", "b")], friction=0.5)
+    found = run(replace(made, forces=(Gravity(np.array([0.0, 0.0, -G])), push)), step, 1.8)
+    borne = np.minimum(0.3 * found.times, 0.5) * WEIGHT
+    steady = np.abs(found.times - 0.5 / 0.3) > 2.0 * step
+    np.testing.assert_allclose(found["floor-b.force"][steady, 0], -borne[steady], atol=2e-3 * WEIGHT)
+    np.testing.assert_allclose(found["floor-b.force"][2:, 2], WEIGHT, atol=2e-3 * WEIGHT)
+    assert found["b.position"][-1, 0] > 1e-3
 
 
 @pytest.mark.parametrize("step", [0.01, 0.002])
