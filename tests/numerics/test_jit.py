@@ -299,3 +299,16 @@ def test_a_kernel_is_compiled_when_it_is_called_and_the_compiler_is_imported_the
     command = [sys.executable, str(tmp_path / "program.py")]
     done = subprocess.run(command, capture_output=True, text=True, check=True)
     assert done.stdout == "True\n4.0\n"
+
+
+def test_what_an_intrinsic_imports_where_it_writes_is_among_the_sources_of_its_module() -> None:
+    """Object files are named by these: an edit of a module that they miss would leave the old code in use."""
+    found = 0
+    for file in sorted(sources.PACKAGE.rglob("*.py")):
+        text = file.read_text()
+        inner = re.findall(r"^ +from (heavylift\.[\w.]+) import", text, re.MULTILINE)
+        if "\n@intrinsic\n" in text and inner:
+            module = ".".join(("heavylift", *file.relative_to(sources.PACKAGE).with_suffix("").parts))
+            assert set(inner) <= set(sources.closure((module,))), module
+            found += 1
+    assert found
