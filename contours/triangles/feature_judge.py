@@ -317,6 +317,10 @@ def _judge_near_vertex(
         return no_contact()
     if vertex_is_behind(surfaces, vertex, face, scaled(side, n), meeting, face_moves, between(x0, x1, t), t):
         return no_contact()
+    # what lay in the plane and has left it on the other side is asked where it was, as if it had hit there
+    crept = not hit and abs(s0) <= rounding and side * s1 < -rounding
+    if crept and vertex_is_behind(surfaces, vertex, face, scaled(side, n), meeting, face_moves, x0, 0.0):
+        return no_contact()
     verdict, time = touch_of_rounding(hit, time, side * s0 - radius, side * s1 - radius, radius)
     return Verdict(verdict, time, side, side * s1 - radius)
 
@@ -474,6 +478,45 @@ def edge_is_behind(
     return False
 
 
+@kernel(internal=True)
+def edges_are_behind(
+    # model
+    surfaces: CollisionSurfaces,
+    edges: tuple[int, int],
+    ways: tuple[Vector, Vector],
+    # motion
+    meeting: Meeting,
+    p: tuple[Vector, Vector],
+    q: tuple[Vector, Vector],
+    y: Vector,
+    places: tuple[float, float],
+    t: float,
+) -> bool:
+    """`edge_is_behind` for each of two edges that touch.
+
+    Parameters
+    ----------
+    surfaces, meeting
+        As for `judge_vertex`.
+    edges, places
+        Rows of the edges of A and B, and where they touch along them, 0 to 1.
+    ways
+        Unit directions from the one of A to that of B, and back, each in the axes of where it begins.
+    p, q
+        Ends [m] of that of B at the start and at the end, in the axes of A.
+    y
+        Where that of A touches [m], in its axes.
+    t
+        When, in [0, 1].
+    """
+    motion, (at_a, at_b) = meeting.motion, places
+    x = between(between(p[0], q[0], t), between(p[1], q[1], t), at_b)
+    if edge_is_behind(surfaces, edges[1], edges[0], ways[0], meeting, False, x, at_b, t):
+        return True
+    y = turn_at(subtract(y, between(motion.start.origin, motion.end.origin, t)), motion, t, True)
+    return edge_is_behind(surfaces, edges[0], edges[1], ways[1], meeting, True, y, at_a, t)
+
+
 @kernel(inline=True, internal=True)
 def edges_cross(a: Vector, u: Vector, p: Vector, q: Vector) -> bool:
     """Whether the edge from a along u and that from p to q cross, seen along their common normal."""
@@ -576,8 +619,8 @@ def judge_edges(
     x = between(p0, p1, at_b)
     y = between(a0, a1, at_a)
     s0 = dot(n, subtract(x, y))
-    start_gap = abs(s0) - radius
-    if abs(s0) > rounding:
+    start_gap, level = abs(s0) - radius, abs(s0) <= rounding
+    if not level:
         side = 1.0 if s0 > 0.0 else -1.0
         if not hit and s0 * gap < 0.0 and abs(gap) > rounding:
             return no_contact(), 0.0, 0.0  # as for a vertex
@@ -609,11 +652,15 @@ def judge_edges(
         ):
             return no_contact(), 0.0, 0.0
         return Verdict(PRESSED, 1.0, -side, -side * gap - radius), along_a, along_b
-    x = between(between(p0, q0, t), between(p1, q1, t), at_b)
-    if edge_is_behind(surfaces, edge_b, edge_a, d, meeting, False, x, at_b, t):
+    if edges_are_behind(
+        surfaces, (edge_a, edge_b), (d, back), meeting, (p0, p1), (q0, q1), y, (at_a, at_b), t
+    ):
         return no_contact(), 0.0, 0.0
-    y = turn_at(subtract(y, between(motion.start.origin, motion.end.origin, t)), motion, t, True)
-    if edge_is_behind(surfaces, edge_a, edge_b, back, meeting, True, y, at_a, t):
+    # as for a vertex
+    crept = not hit and level and side * gap < -rounding
+    if crept and edges_are_behind(
+        surfaces, (edge_a, edge_b), (d, back), meeting, (p0, p1), (q0, q1), y, (at_a, at_b), 0.0
+    ):
         return no_contact(), 0.0, 0.0
     if dot(c, c1) < 0.0:  # turned over between the hit and the end
         side = -side

@@ -1,0 +1,63 @@
+"""Boxes of one size, flush with each other: sides in one plane do not face each other, and hold nothing."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from mesh_contact_scenes import MASS, G, body, run, scene
+
+from heavylift.preprocess.surfaces.primitives import box_surface, plane_surface
+from heavylift.solver.forces.point import PointForce
+
+CUBE = box_surface(1.0)
+PUSH = 4.0 * MASS
+BEGIN, RISEN, END = 0.1, 0.12, 0.4
+
+
+def pushed(boxes, loaded, way, mu, step, duration=END, at=-0.5, force=PUSH):
+    """Boxes by their first positions; one is pushed at a height, from `BEGIN` on and fully from `RISEN` on."""
+    bodies = [(body(name, position), CUBE) for name, position in boxes.items()]
+    times, way = np.array([0.0, BEGIN, RISEN]), np.asarray(way, dtype=float)
+    forces = np.outer([0.0, 0.0, force], way)
+    push = PointForce("push", loaded, np.array([0.0, 0.0, at]), times=times, forces=forces)
+    floor = [("floor", name) for name, position in boxes.items() if position[2] == 0.5]
+    made = scene(bodies, plane_surface((40.0, 40.0)), [*floor, tuple(boxes)], friction=mu)
+    return run(replace(made, forces=[*made.forces, push]), step, duration)
+
+
+def speed(mu, normal, end=END):
+    """Of a body that slides from the instant on in which a force that grows linearly exceeds its friction [m/s]."""
+    slips = BEGIN + (RISEN - BEGIN) * mu * normal / PUSH
+    at_risen = 0.5 * PUSH / (RISEN - BEGIN) * (RISEN - slips) ** 2
+    return (at_risen + (PUSH - mu * normal) * (end - RISEN)) / MASS
+
+
+@pytest.mark.parametrize("step", [0.01, 0.002])
+@pytest.mark.parametrize(("mu", "way"), [(0.2, (0, -1, 0)), (0.2, (1, 0, 0)), (0.0, (0, 1, 0))])
+def test_a_box_slides_off_the_one_below(mu, way, step):
+    """It is pushed at its base: no corner of its side is held by the side below, which is in the same plane."""
+    found = pushed({"low": (0, 0, 0.5), "top": (0, 0, 1.5)}, "top", way, mu, step)
+    expected = np.multiply(way, speed(mu, MASS * G))
+    np.testing.assert_allclose(found["top.velocity"][-1], expected, atol=2e-3)  # half a step of the ramp
+    np.testing.assert_allclose(found["low.velocity"][-1], 0.0, atol=1e-9)
+    assert "wrong side" not in found.simulation.warning
+
+
+@pytest.mark.parametrize("gap", [0.0, 1e-6])
+def test_a_box_slides_along_its_neighbour(gap):
+    """Between both there is no force, so friction there holds nothing."""
+    found = pushed({"a": (0, 0, 0.5), "b": (1 + gap, 0, 0.5)}, "b", (0, 1, 0), 0.2, 0.01)
+    np.testing.assert_allclose(found["b.velocity"][-1], [0.0, speed(0.2, MASS * G), 0.0], atol=2e-3)
+    np.testing.assert_allclose(found["a.velocity"][-1], 0.0, atol=1e-9)
+
+
+def test_a_box_is_lifted_from_beside_its_neighbour():
+    """Once the force is the weight, it rises freely."""
+    force = 1.05 * MASS * G
+    found = pushed({"a": (0, 0, 0.5), "b": (1, 0, 0.5)}, "b", (0, 0, 1), 0.2, 0.01, at=0.5, force=force)
+    leaves = BEGIN + (RISEN - BEGIN) / 1.05
+    rise = (0.5 * force / (RISEN - BEGIN) * (RISEN - leaves) ** 2 + 0.05 * MASS * G * (END - RISEN)) / MASS
+    np.testing.assert_allclose(found["b.velocity"][-1], [0.0, 0.0, rise], atol=2e-3)
+    np.testing.assert_allclose(found["a.velocity"][-1], 0.0, atol=1e-9)
