@@ -498,6 +498,8 @@ class Simulation:
         layout = self._layout
         before = {name: array.copy() for name, array in self._arrays()}
         length = max(PROBE_STEP * self.step, min(self.step, SMALLEST_PROBE))
+        if self._touches:
+            layout.work.control.next_step = self.step  # a whole one, also where steps of other lengths follow
         self._run(
             layout.bodies, layout.forces, layout.joints, layout.systems, layout.work,
             self.step if self._touches else length, 0.0, 0, 1, 2, np.empty((0, self.column_count)),

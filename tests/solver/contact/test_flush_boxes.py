@@ -61,3 +61,16 @@ def test_a_box_is_lifted_from_beside_its_neighbour():
     rise = (0.5 * force / (RISEN - BEGIN) * (RISEN - leaves) ** 2 + 0.05 * MASS * G * (END - RISEN)) / MASS
     np.testing.assert_allclose(found["b.velocity"][-1], [0.0, 0.0, rise], atol=2e-3)
     np.testing.assert_allclose(found["a.velocity"][-1], 0.0, atol=1e-9)
+
+
+@pytest.mark.parametrize("options", [{}, {"tolerance": 1e-5}], ids=["steps", "tolerance"])
+def test_the_first_record_has_the_forces_of_rest(options):
+    """Also where steps vary in length and the first one is short."""
+    bodies = [(body(name, (0, 0, 0.5 + k)), CUBE) for k, name in enumerate(("low", "mid", "top"))]
+    made = scene(
+        bodies, plane_surface(40.0), [("floor", "low"), ("low", "mid"), ("mid", "top")], friction=0.5
+    )
+    found = run(made, 0.05, 0.2, **options)
+    for carried, pair in ((3, "floor-low"), (2, "low-mid"), (1, "mid-top")):
+        np.testing.assert_allclose(found[f"{pair}.normal_force"], carried * MASS * G, rtol=1e-6)
+        np.testing.assert_allclose(found[f"{pair}.normal_force_min"][1:], carried * MASS * G, rtol=1e-6)
