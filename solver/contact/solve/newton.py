@@ -65,7 +65,7 @@ What has a solution is found in some hundred iterations; what has none, as a wal
 given up after them. Its best impulses are kept, with their residual.
 """
 
-OF_A_CONTACT = 1000.0
+OF_A_CONTACT = 4000.0
 """Multiplications of a factor that take as long as all else that an iteration does for a contact."""
 
 
