@@ -58,7 +58,7 @@ not touch, to 7/8 of a turn."""
 NEWTON_STEPS, LAST_TURN = 12, 1e-10
 """Most of a part; sum of the two angles after which the error left is the square of it [rad]."""
 
-MANY = 4
+MANY = 12
 """Straight parts of a rope from which on they are solved side by side, unless it passes pulleys by."""
 
 SMALL_TURN = 1e-3
