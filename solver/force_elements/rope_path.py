@@ -58,7 +58,7 @@ not touch, to 7/8 of a turn."""
 NEWTON_STEPS, LAST_TURN = 12, 1e-10
 """Most of a part; sum of the two angles after which the error left is the square of it [rad]."""
 
-MANY = 12
+MANY = 4
 """Straight parts of a rope from which on they are solved side by side, unless it passes pulleys by."""
 
 SMALL_TURN = 1e-3
@@ -467,11 +467,11 @@ def find_parts(
     -----
     Parts end at directions about the axes of the pulleys that are fixed in space: so their derivatives are those of
     tensions at the tangent points, and no part turns a body about the axis of its pulley. At pulleys that the rope does
-    not touch they end at points of the straight line, fixed in space, which divide it into equal parts.
+    not touch they end at points of the straight line, fixed in space, which divide it into equal parts. They are solved
+    one by one: in one plane their derivatives by the axes are then exactly zero, and cost nothing behind it.
     """
-    count, skips, numbers = places.shape[0], False, room()
+    count, skips = places.shape[0], False
     while True:
-        side_by_side = count > MANY and not skips
         for i in range(count):
             lengths[i] = 0.0
             for k in range(3):
@@ -482,7 +482,7 @@ def find_parts(
         i = 0
         while i < count - 1:
             j = _next_place(places, wraps, i, skips)
-            straight, e1, e2 = _take_part(places, wraps, i, j, numbers, side_by_side, leaving[i], gradient[j])
+            straight, e1, e2 = _add_part(places[i], places[j], leaving[i], gradient[j])
             total += straight
             for part in range(i, j):
                 lengths[part] += straight / (j - i)
@@ -491,7 +491,7 @@ def find_parts(
                 gradient[i].axis[k] += leaving[i].axis[k]
             r = places[i].radius
             if r > 0.0:
-                wrap = _wrap(arrival, places[i], e1, wraps[i], i, numbers, side_by_side)
+                wrap = _turn_between(arrival, places[i], e1, wraps[i])
                 total += r * wrap
                 lengths[i] += 0.5 * r * wrap
                 lengths[i - 1] += 0.5 * r * wrap
