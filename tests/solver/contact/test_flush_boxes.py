@@ -6,8 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from mesh_contact_scenes import MASS, G, body, run, scene
+from mesh_contact_scenes import MASS, G, body, run, scene, turn
 
+from heavylift.numerics.rotation import rotation_matrix
 from heavylift.preprocess.surfaces.primitives import box_surface, plane_surface
 from heavylift.solver.forces.point import PointForce
 
@@ -16,14 +17,21 @@ PUSH = 4.0 * MASS
 BEGIN, RISEN, END = 0.1, 0.12, 0.4
 
 
-def pushed(boxes, loaded, way, mu, step, duration=END, at=-0.5, force=PUSH):
-    """Boxes by their first positions; one is pushed at a height, from `BEGIN` on and fully from `RISEN` on."""
-    bodies = [(body(name, position), CUBE) for name, position in boxes.items()]
-    times, way = np.array([0.0, BEGIN, RISEN]), np.asarray(way, dtype=float)
+def pushed(boxes, loaded, way, mu, step, duration=END, at=-0.5, force=PUSH, yaw=0.0, origin=(0.0, 0.0, 0.0)):
+    """Boxes by their first positions; one is pushed at a height, from `BEGIN` on and fully from `RISEN` on.
+
+    All of it is turned about the vertical [rad] and moved [m].
+    """
+    orientation = turn((0.0, 0.0, 1.0), yaw)
+    R = rotation_matrix(orientation)
+    bodies = [
+        (body(name, origin + R @ position, orientation=orientation), CUBE) for name, position in boxes.items()
+    ]
+    times, way = np.array([0.0, BEGIN, RISEN]), R @ way
     forces = np.outer([0.0, 0.0, force], way)
     push = PointForce("push", loaded, np.array([0.0, 0.0, at]), times=times, forces=forces)
     floor = [("floor", name) for name, position in boxes.items() if position[2] == 0.5]
-    made = scene(bodies, plane_surface((40.0, 40.0)), [*floor, tuple(boxes)], friction=mu)
+    made = scene(bodies, plane_surface((2000.0, 2000.0)), [*floor, tuple(boxes)], friction=mu)
     return run(replace(made, forces=[*made.forces, push]), step, duration)
 
 
@@ -43,6 +51,18 @@ def test_a_box_slides_off_the_one_below(mu, way, step):
     np.testing.assert_allclose(found["top.velocity"][-1], expected, atol=2e-3)  # half a step of the ramp
     np.testing.assert_allclose(found["low.velocity"][-1], 0.0, atol=1e-9)
     assert "wrong side" not in found.simulation.warning
+
+
+@pytest.mark.parametrize("yaw", [0.3, 1.2])
+@pytest.mark.parametrize(
+    "boxes", [{"rest": (0, 0, 0.5), "b": (0, 0, 1.5)}, {"rest": (0, 0, 0.5), "b": (1, 0, 0.5)}]
+)
+def test_it_slides_wherever_it_stands(boxes, yaw):
+    """Turned and far from the origin, on the other and beside it."""
+    found = pushed(boxes, "b", (0, 1, 0), 0.2, 0.005, yaw=yaw, origin=(300.0, -210.0, 0.0))
+    expected = rotation_matrix(turn((0.0, 0.0, 1.0), yaw)) @ (0.0, speed(0.2, MASS * G), 0.0)
+    np.testing.assert_allclose(found["b.velocity"][-1], expected, atol=2e-3)
+    np.testing.assert_allclose(found["rest.velocity"][-1], 0.0, atol=1e-6)
 
 
 @pytest.mark.parametrize("gap", [0.0, 1e-6])
