@@ -25,12 +25,15 @@ if TYPE_CHECKING:
     from heavylift.pipeline.results.mesh_results import MeshShape
     from heavylift.pipeline.stages.work import Work
     from heavylift.solver.scenario.operation import Operation
+    from heavylift.solver.scene.scene import Scene
     from heavylift.solver.simulation import Simulation
 
 __all__ = [
+    "conclude",
     "diagnosis",
     "diagnosis_lines",
     "operation_log",
+    "provenance",
     "simulate_stage",
     "steps_taken",
 ]
@@ -136,6 +139,19 @@ def simulate_stage(work: Work) -> StageReport:
     return _simulate(work, digest, cut_off=cut_off)
 
 
+def provenance(scene: Scene, simulation: Simulation, log: Log) -> dict[str, Any]:
+    """What the manifest says of a run before it begins: diagnosis, sea, and where transporters tip over."""
+    about = diagnosis(simulation)
+    if scene.sea is not None:
+        from heavylift.pipeline.assemble.sea import sea_provenance
+
+        sea = sea_provenance(scene.sea)
+        about |= {"sea": sea} if sea else {}
+    if scene.transporters:
+        about |= {"tipping": _tipping(scene, log)}
+    return about
+
+
 def _tipping(scene: Any, log: Log) -> dict[str, dict[str, float]]:
     """Tilts at which transporters tip over [rad], reported before they move."""
     from heavylift.solver.transport.packing import vehicle_tipping
@@ -181,15 +197,7 @@ def _simulate(work: Work, digest: str, *, cut_off: bool) -> StageReport:
     with in_case(work.case):
         simulation.warm_up()
     compile_s += simulation.compile_seconds
-    about = diagnosis(simulation)
-    sea: dict[str, Any] = {}
-    if scene.sea is not None:
-        from heavylift.pipeline.assemble.sea import sea_provenance
-
-        sea = sea_provenance(scene.sea)
-    about |= {"sea": sea} if sea else {}
-    if scene.transporters:
-        about |= {"tipping": _tipping(scene, log)}
+    about = provenance(scene, simulation, log)
     for line in diagnosis_lines(about):
         log.say(f"simulate: {line}")
     # of the simulation, not of the case: an integrator that was chosen may take its steps itself
@@ -211,18 +219,59 @@ def _simulate(work: Work, digest: str, *, cut_off: bool) -> StageReport:
     try:
         with stop_requests() as stop, log.progress("simulate", count, done) as progress:
             outcome, message = advancer.run(stop, progress)
-        if outcome is Outcome.COMPLETED:
-            outcome, message = simulation.verdict
-        about["warning"] = simulation.warning
-        if simulation.operation is not None:
-            about |= {"scenario": operation_log(simulation.operation)}
-        finished = outcome is not Outcome.INTERRUPTED
-        if finished:
-            results = _merge(work, simulation, advancer.segments, digest, outcome, message, about, meshes)
+        return conclude(
+            work, simulation, advancer.segments, digest, outcome, message, about, meshes, compile_s
+        )
     except StopError as error:
         with contextlib.suppress(StopError):
             _write_manifest(work, digest, error.outcome.name.lower(), str(error), finished=False, details={})
         raise
+
+
+def conclude(
+    work: Work,
+    simulation: Simulation,
+    segments: Sequence[SegmentMark],
+    digest: str,
+    outcome: Outcome,
+    message: str,
+    about: dict[str, Any],
+    meshes: list[MeshShape],
+    compile_s: float,
+) -> StageReport:
+    """End a run whose segments are on disk: merge them unless it was interrupted, and say in the manifest how it ended.
+
+    Parameters
+    ----------
+    work
+        Case, folder and log.
+    simulation
+        That has run.
+    segments, digest
+        Its segments, and the digest of its inputs.
+    outcome, message
+        How its steps ended.
+    about
+        What the manifest is to say beside, see `diagnosis`; completed here.
+    meshes
+        Shapes of frames and shells.
+    compile_s
+        CPU time of compiling [s].
+
+    Raises
+    ------
+    StopError
+        If the disk is full.
+    """
+    folder, log = work.folder, work.log
+    if outcome is Outcome.COMPLETED:
+        outcome, message = simulation.verdict
+    about["warning"] = simulation.warning
+    if simulation.operation is not None:
+        about |= {"scenario": operation_log(simulation.operation)}
+    finished = outcome is not Outcome.INTERRUPTED
+    if finished:
+        results = _merge(work, simulation, segments, digest, outcome, message, about, meshes)
     for event in simulation.operation.log if simulation.operation is not None else ():
         log.say(f"simulate: {event.text}")
     steps = steps_taken(simulation)

@@ -30,6 +30,7 @@ if TYPE_CHECKING:
 
     from heavylift.pipeline.case.case_file import Case
     from heavylift.pipeline.results.histories import Results
+    from heavylift.pipeline.stages.work import StageReport
     from heavylift.solver.scenario.operation import LogLine
     from heavylift.solver.simulation import Simulation as Solver
 
@@ -159,7 +160,7 @@ class Simulation:
         self._folder = OutputFolder(Path(out) if self._scratch is None else self._scratch.path)  # type: ignore[arg-type]
         make_parts(self.case, self._folder)
         run = prepare_run(self.case, self._folder, Log(quiet=True))
-        self._scene = run.scene
+        self._scene, self._meshes = run.scene, run.meshes
         self._begin(run.simulation)
         self._history.append((0, np.zeros(1), self.row[np.newaxis]))
 
@@ -442,12 +443,8 @@ class Simulation:
     def copy(self) -> Simulation:
         """Another simulation in the same state, with the same history, which goes its own way."""
         other = object.__new__(type(self))
-        other.case, other._folder, other._scratch, other._scene = (
-            self.case,
-            self._folder,
-            self._scratch,
-            self._scene,
-        )
+        other.case, other._folder, other._scratch = self.case, self._folder, self._scratch
+        other._scene, other._meshes = self._scene, self._meshes
         other._begin(new_simulation(self.case, self._folder, self._scene))
         other._solver.restore(self._solver.state())
         other._history, other.input_log = list(self._history), list(self.input_log)
@@ -522,6 +519,54 @@ class Simulation:
         }
         metadata = {"title": self.case.title, "case": self.case.name, "outcome": self.outcome.name.lower()}
         return Results(self.case.file, times, channels, columns, metadata)
+
+    def write_results(self, folder: Path | str) -> StageReport:
+        """Write the histories so far into an output folder, as the stage simulate does, for `report` and `verify`.
+
+        What drove the inputs belongs to the digest of these results: `simulate` in the same folder takes them only
+        for a run with the same values. A run that has not ended yet is left as one that was interrupted, which
+        `simulate` continues if nothing drove its inputs.
+
+        Raises
+        ------
+        StopError
+            If the disk is full, or another run works in the folder.
+        """
+        from heavylift.pipeline.results.histories import remove_segments
+        from heavylift.pipeline.results.mesh_results import save_meshes
+        from heavylift.pipeline.results.provenance import simulate_digest
+        from heavylift.pipeline.results.storage import digest_json
+        from heavylift.pipeline.stages.advance import Advancer
+        from heavylift.pipeline.stages.lock import locked
+        from heavylift.pipeline.stages.simulate import conclude, provenance
+        from heavylift.pipeline.stages.work import Work
+
+        solver, work = self._solver, Work(self.case, OutputFolder(Path(folder)), Log(quiet=True))
+        digest = simulate_digest(self.case)
+        if self.input_log:
+            digest = digest_json([digest, [list(map(str, row)) for row in self.input_log]])
+        with locked(work.folder.root):
+            remove_segments(work.folder.segments)
+            advancer = Advancer(solver, work.folder.segments, digest, solver.step_index)
+            for times, rows in self._records():
+                advancer.keep(times, rows)
+            advancer.write()
+            save_meshes(work.folder.meshes, self._meshes)
+            about = provenance(self._scene, solver, work.log)
+            outcome, message = self._end
+            if not self.ended:
+                outcome, message = Outcome.INTERRUPTED, f"left at t = {self.time:.9g} s"
+            return conclude(
+                work,
+                solver,
+                advancer.segments,
+                digest,
+                outcome,
+                message,
+                about,
+                self._meshes,
+                solver.compile_seconds,
+            )
 
 
 def _case_of(case: Any, overrides: Sequence[str]) -> Case:

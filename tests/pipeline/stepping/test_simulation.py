@@ -188,6 +188,23 @@ def test_events_are_told_after_the_step_that_brought_them():
     assert all(now - 10 * sim.step_size - 1e-9 <= at <= now + 1e-9 for at, now in told)
 
 
+def test_results_are_written_as_by_the_stage(tmp_path):
+    """A whole run is taken for that of the stage, a part is continued by it."""
+    sim, case = hl.Simulation(ROOT / "cases" / "tugger"), load_case(ROOT / "cases" / "tugger")
+    sim.step(0.5)
+    assert sim.write_results(tmp_path / "part").outcome is hl.Outcome.INTERRUPTED
+    sim.step(1.3)
+    assert sim.write_results(tmp_path / "whole").outcome is hl.Outcome.COMPLETED
+    stages = [
+        run_case(case, out=tmp_path / name, stages=("simulate",)).stages[0] for name in ("part", "whole")
+    ]
+    assert [stage.skipped for stage in stages] == [False, True]
+    part, whole = (load_results(case, tmp_path / name) for name in ("part", "whole"))
+    for name in whole.names:
+        assert np.array_equal(part[name], whole[name]), name
+        assert np.array_equal(sim.results()[name], whole[name]), name
+
+
 @pytest.mark.parametrize("one", [module, state_module])
 def test_examples(one, monkeypatch):
     monkeypatch.chdir(ROOT)
