@@ -122,6 +122,7 @@ class PipeChannel:
 
     def __init__(self, reads: int, writes: int) -> None:
         self.reads, self.writes = reads, writes
+        self._open: tuple[int, ...] = (reads, writes)
         os.set_blocking(reads, False)
         os.set_blocking(writes, False)
 
@@ -138,8 +139,9 @@ class PipeChannel:
 
     def close(self) -> None:
         """Forget it."""
-        os.close(self.reads)
-        os.close(self.writes)
+        open_ones, self._open = self._open, ()
+        for descriptor in open_ones:
+            os.close(descriptor)
 
 
 class _Client:
