@@ -193,6 +193,8 @@ class InputPorts(Mapping[str, Port]):
         place = self._places[name]
         target, state = self._bound.targets[place], self._state[place]
         value, rate, until = self._numbers(name, value, rate, until, time)
+        if rate == 0.0 and self.at(name, time) == (value, 0.0):
+            return  # it is so already
         stop = time if rate == 0.0 or math.isinf(until) else until
         if target.steady and rate != 0.0:
             self._refuse(name, f"a rate of {rate:g} {port.unit}/s", "rate 0: it holds what it is set to")
