@@ -260,6 +260,16 @@ class Simulation:
         """Simulated time [s]."""
         return self.step_index * self.step
 
+    @property
+    def scene(self) -> Scene:
+        """What is simulated."""
+        return self._scene
+
+    @property
+    def layout(self) -> Layout:
+        """The packed scene, in its present state."""
+        return self._layout
+
     def missing_units(self) -> list[Unit]:
         """What has to be compiled for this scene because it is not on disk: kinds that nobody has used yet."""
         layout = self._layout
@@ -667,18 +677,33 @@ class Simulation:
         >>> simulation.inputs.value("push")
         (4.0, 0.0)
         """
+        self.set_inputs([(name, value, rate, until)])
+
+    def set_inputs(self, settings: Sequence[tuple[str, float, float, float]]) -> None:
+        """Set several inputs from the present time on, all or none.
+
+        Parameters
+        ----------
+        settings
+            Name, value, rate, and when it is held, as of `set_input`.
+
+        Raises
+        ------
+        InputError
+            If one of them is not possible; then nothing is changed.
+        """
         self.warm_up()
-        if self.outcome is not Outcome.COMPLETED or self.ended:
+        if settings and (self.outcome is not Outcome.COMPLETED or self.ended):
             raise InputError(
                 f"the run has ended at t = {self.time:.9g} s",
                 source="inputs",
-                key=str(name),
+                key=str(settings[0][0]),
                 expected="settings before its end",
             )
-        self.inputs.put(name, value, rate, until, self.time)
-        self._layout.work.control.corner = 0
-        if self._anew is not None:
-            self._anew(self.time)
+        if self.inputs.put(settings, self.time):
+            self._layout.work.control.corner = 0
+            if self._anew is not None:
+                self._anew(self.time)
 
     def _last_possible(self, first: int, last: int) -> int:
         """Last step up to which inputs can drive what they drive, at a record."""

@@ -480,6 +480,10 @@ class SceneTables(_EquippedScene):
         Table("Rope groups", "rope group"),
     ] = ()
     """Tensions of ropes that share a load."""
+    fmus: Annotated[
+        tuple[Annotated[Any, Later(f"{_HERE}.fmus", "FmuSection")], ...], Table("FMUs", "FMU", "apart")
+    ] = ()
+    """Functional mock-up units that run beside the scene."""
     inputs: Annotated[
         tuple[Annotated[Any, Chosen(INPUTS)], ...],
         Table("Inputs", "input", is_outer=lambda entry, _case: entry.DESCRIBED.ACTS in {"force", "moment"}),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from difflib import get_close_matches
 from typing import TYPE_CHECKING, NoReturn
 
@@ -180,21 +180,43 @@ class InputPorts(Mapping[str, Port]):
                 )
         self.refresh()
 
-    def put(self, name: str, value: float, rate: float, until: float, time: float) -> None:
-        """Set an input from a time on [s]; see `heavylift.solver.simulation.Simulation.set_input`.
+    def put(self, settings: Iterable[tuple[str, float, float, float]], time: float) -> bool:
+        """Set inputs from a time on [s], all or none; see `heavylift.solver.simulation.Simulation.set_inputs`.
+
+        Returns
+        -------
+        bool
+            Whether anything has changed.
 
         Raises
         ------
         InputError
-            If the setting makes no sense; then nothing is changed.
+            If a setting makes no sense; then nothing is changed.
         """
+        asked = [self._planned(*setting, time) for setting in settings]
+        planned = [one for one in asked if one is not None]
+        if self._bound is None or not planned:
+            return False
+        for place, value, rate, until, end in planned:
+            state = self._state[place]
+            self._bound.targets[place].put(time, value, rate, until)
+            state.value, state.rate, state.since, state.until = value, rate, time, until
+            self._ends[place] = end
+            self.heard += 1
+        self._derive()
+        return True
+
+    def _planned(
+        self, name: str, value: float, rate: float, until: float, time: float
+    ) -> tuple[int, float, float, float, tuple[float, str]] | None:
+        """Place of an input, what it is set to, and its end, or None if it is so already; all checks of a setting."""
         port = self[name]
         assert self._bound is not None
         place = self._places[name]
-        target, state = self._bound.targets[place], self._state[place]
+        target = self._bound.targets[place]
         value, rate, until = self._numbers(name, value, rate, until, time)
         if rate == 0.0 and self.at(name, time) == (value, 0.0):
-            return  # it is so already
+            return None  # it is so already
         stop = time if rate == 0.0 or math.isinf(until) else until
         if target.steady and rate != 0.0:
             self._refuse(name, f"a rate of {rate:g} {port.unit}/s", "rate 0: it holds what it is set to")
@@ -234,11 +256,7 @@ class InputPorts(Mapping[str, Port]):
                 f" {end[1]} at t = {max(end[0], time):.6g} s",
                 "a value that leaves it room",
             )
-        target.put(time, value, rate, until)
-        state.value, state.rate, state.since, state.until = value, rate, time, until
-        self._ends[place] = end
-        self.heard += 1
-        self._derive()
+        return place, value, rate, until, end
 
     def refresh(self) -> None:
         """Find again what follows from the settings, after a state was restored."""
