@@ -96,7 +96,21 @@ def history_plot(
     stacked: bool = False,
     bands: Sequence[tuple[str, float, float]] = (),
 ) -> bytes:
-    """Curves over time.
+    """Curves over time as a picture; arguments as of `history_figure`."""
+    figure = history_figure(times, series, title=title, unit=unit, stacked=stacked, bands=bands)
+    return few_colours(figure_png(figure))
+
+
+def history_figure(
+    times: NDArray[np.float64],
+    series: Sequence[Series],
+    *,
+    title: str,
+    unit: str,
+    stacked: bool = False,
+    bands: Sequence[tuple[str, float, float]] = (),
+) -> Any:
+    """Curves over time, as a `matplotlib.figure.Figure`.
 
     Parameters
     ----------
@@ -142,7 +156,7 @@ def history_plot(
     panels[-1].set_xlabel(f"time [{time_unit.text}]", color=INK)
     figure.align_ylabels(panels)
     add_title(figure, title)
-    return few_colours(figure_png(figure))
+    return figure
 
 
 def spectrum_plot(

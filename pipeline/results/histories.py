@@ -42,6 +42,7 @@ from heavylift.pipeline.results.storage import (
     replacing,
     sync_file,
 )
+from heavylift.pipeline.results.tables import data_frame, dataset
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -454,6 +455,20 @@ class Results:
     def outcome(self) -> str:
         """How the run ended, e.g. ``"completed"``; ``"unfinished"`` if it was cut off."""
         return str(self.metadata.get("outcome", "unfinished"))
+
+    def to_xarray(self, *names: str) -> Any:
+        """Channels, all without names, as an `xarray.Dataset` over ``time``, with units and components.
+
+        See `heavylift.pipeline.results.tables.dataset`; needs the extra ``data``.
+        """
+        return dataset(self, names or self.names)
+
+    def to_pandas(self, *names: str) -> Any:
+        """Channels, all without names, as a `pandas.DataFrame`: a column for each component, the index is the time [s].
+
+        See `heavylift.pipeline.results.tables.data_frame`; needs the extra ``data``.
+        """
+        return data_frame(self, names or self.names)
 
     def channel(self, name: str) -> ChannelInfo:
         """Unit and components of a channel or combination; an unknown name is an `InputError`."""
