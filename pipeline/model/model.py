@@ -12,6 +12,8 @@ from heavylift.numerics.outcome import InputError, InputErrors
 from heavylift.numerics.words import nearest
 from heavylift.pipeline.case.case_file import CASE_FILE, Case, check_values, make_case, read_document
 from heavylift.pipeline.case.overrides import REMOVED, assign, entry_index
+from heavylift.pipeline.case.tables import TABLES
+from heavylift.pipeline.equipment.builders import BUILDERS
 from heavylift.pipeline.model.components import (
     TABLES_OF_CASE,
     CaseTable,
@@ -25,7 +27,7 @@ from heavylift.pipeline.results.provenance import files_of_case
 from heavylift.pipeline.results.storage import replacing
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping, Sequence
+    from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
     from heavylift.pipeline.log import Log
     from heavylift.pipeline.model.results import Run
@@ -282,6 +284,71 @@ class Model:
         object.__setattr__(found, "_model", None)
         return found
 
+    def rename(self, name: str, new: str) -> Component:
+        """Give a component another name, and what names it the same one: sides, paths, channels, quantities.
+
+        Parameters
+        ----------
+        name
+            As for ``model[name]``.
+        new
+            Its name from now on. Patterns of names (``"sling_*.tension"``) stay as they are.
+
+        Raises
+        ------
+        InputError
+            If there is no such component, the new name is taken or is none, or something would not fit afterwards;
+            nothing is changed then.
+        """
+        table, own, row = self._one(name)
+        component = self._component(table, own, row)
+        if own is None:
+            raise InputError(
+                "has no name", source=line_of_program(), key=f"rename({name!r})", expected="one with a name"
+            )
+        self._refuse_taken(component, table, new)
+        trial = self.copy()
+        trial._rename(table, own, new)  # noqa: SLF001
+        trial.case()
+        self._rename(table, own, new)
+        return self[self._path(table, new)]
+
+    def _rename(self, table: CaseTable, old: str, new: str) -> None:
+        """Rename a component, and all that names it, in place."""
+        known = {name for _, name, _ in self._entries() if name is not None} - {old}
+        ends = r"(?=[._]|$)" if table.key in BUILDERS else r"(?=\.)"  # what a builder writes is named by it
+        place = rf"(?<![\w-])(?<!deviation\.){re.escape(old)}{ends}"
+        if table.key == "reference":
+            place = rf"(?<=deviation\.){re.escape(old)}(?![\w-])"
+
+        def changed(found: re.Match[str]) -> str:
+            word = re.match(r"[\w-]+", found.string[found.start() :])
+            return found[0] if word is not None and word[0] in known else new
+
+        def renamed(text: str) -> str:
+            return new if text == old and table.key != "reference" else re.sub(place, changed, text)
+
+        if table.shares or table.key in {*BUILDERS, "reference", "decks"}:  # others are named by nothing
+            for other, _, row in list(self._entries()):
+                label = {other.label: row[other.label]} if other.form == "list" and other.label in row else {}
+                _rewrite(row, renamed)
+                row.update(label)
+        if table.form == "list":
+            self._one(self._path(table, old))[2][table.label] = new
+        content = self._document[table.key]
+        if table.form == "named":
+            held = self._held.get(id(content[old]))
+            if held is not None:
+                object.__setattr__(held, "_name", new)
+            _rename_key(content, old, new)
+        if table.key == "bodies":  # what is beside a body has its name
+            for key, other in TABLES.items():
+                if other.names == "bodies" and old in self._document.get(key, {}):
+                    held = self._held.get(id(self._document[key][old]))
+                    if held is not None:
+                        object.__setattr__(held, "_name", new)
+                    _rename_key(self._document[key], old, new)
+
     def set(self, key: str, value: Any) -> None:
         """Set a key as ``--set`` does.
 
@@ -475,6 +542,31 @@ class Model:
 
     def __repr__(self) -> str:
         return f"<Model {self.title!r}: {len(self)} components>"
+
+
+_NO_NAMES = {"type", "motion", "law", "title", "sources", "source", "file", "folder", "note"}
+"""Keys whose texts are no names of components."""
+_OF_GROUPS = {"on", "clamp", "interface", "static_groups", "group", "groups"}
+"""Keys whose texts are names of groups of nodes."""
+
+
+def _rewrite(node: Any, changed: Callable[[str], str]) -> None:
+    """Change the texts of tables and lists that may name components, in place."""
+    pairs = list(node.items()) if isinstance(node, dict) else list(enumerate(node))
+    for key, value in pairs:
+        if key in _NO_NAMES or key in _OF_GROUPS:
+            continue
+        if isinstance(value, str):
+            node[key] = changed(value)
+        elif isinstance(value, (dict, list)):
+            _rewrite(value, changed)
+
+
+def _rename_key(table: dict[str, Any], old: str, new: str) -> None:
+    """Rename a key in its place."""
+    entries = [(new if key == old else key, value) for key, value in table.items()]
+    table.clear()
+    table.update(entries)
 
 
 def load(path: Path | str) -> Model:

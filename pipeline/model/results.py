@@ -18,7 +18,9 @@ from heavylift.pipeline.results.histories import ChannelInfo, Results
 from heavylift.pipeline.results.storage import StopError
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
+    from collections.abc import Callable, Iterator, Mapping, Sequence
+
+    from numpy.typing import NDArray
 
     from heavylift.pipeline.case.case_file import Case
     from heavylift.pipeline.case.criteria.results import CriterionResult
@@ -70,6 +72,11 @@ class Run(Results):
         return self.report.folder.root
 
     @property
+    def told_as(self) -> object:
+        """What messages call it."""
+        return f"Run of {self.case.title!r}"
+
+    @property
     def message(self) -> str:
         """Why it did not complete; empty if it did."""
         return self.report.message
@@ -119,6 +126,52 @@ class Run(Results):
         """What else is to be known of it: values that are not finite, doubts about its energy, slack at rest."""
         return " ".join(self.judged.warnings)
 
+    def plot(self, *names: str, title: str = "") -> Any:
+        """Histories of channels over time, in the style of a report.
+
+        Parameters
+        ----------
+        names
+            Channels, components of channels, combinations, and patterns: ``"hoist.tension"``, ``"load.position.z"``,
+            ``"sling_*.tension"``. What has a unit of its own has axes of its own.
+        title
+            Heading; by default the names.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            Which a notebook shows; ``figure.savefig("tension.png")`` writes it, ``figure.axes`` are to be added to.
+
+        Raises
+        ------
+        InputError
+            If a channel does not exist, or there is no record.
+        """
+        from heavylift.pipeline.pictures.plots import Series, history_figure
+
+        if not names:
+            raise InputError("no channel", source=self.told_as, key="plot", expected="the name of a channel")
+        if not len(self.time):
+            raise InputError(
+                "there are no records", source=self.told_as, key="plot", expected="a run with a record"
+            )
+        curves = [
+            (unit, Series(label, column))
+            for name in names
+            for one in self.fitting(name)
+            for unit, label, column in self._curves(one)
+        ]
+        groups = {unit: [curve for own, curve in curves if own == unit] for unit, _ in curves}
+        return history_figure(self.time, list(groups.items()), title=title or ", ".join(names))
+
+    def _curves(self, name: str) -> Iterator[tuple[str, str, NDArray[np.float64]]]:
+        """A channel, or a component of one, as curves with units and labels."""
+        values, info = self.term(name)
+        if values.ndim == 1:
+            yield info.unit, name, values
+        else:
+            yield from ((info.unit, f"{name}.{one}", values[:, i]) for i, one in enumerate(info.components))
+
     def page(self) -> str:
         """The interactive page as the text of one HTML file: the scene in time, channels, criteria.
 
@@ -132,11 +185,15 @@ class Run(Results):
         from heavylift.pipeline.report.interactive import interactive_content
 
         if not len(self.time):
-            raise InputError("there are no records", key="page", expected="a run with a first record")
+            raise InputError(
+                "there are no records", source=self.told_as, key="page", expected="a run with a first record"
+            )
         try:
             return page_html(interactive_content(self.case, self.report.folder, self, self.judged))
         except LibraryMissingError as error:
-            raise InputError(str(error), key="page", expected="the package k3d") from None
+            raise InputError(
+                str(error), source=self.told_as, key="page", expected="the package k3d"
+            ) from None
 
     def _repr_html_(self) -> str:
         """The page in a cell of a notebook."""

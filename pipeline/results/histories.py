@@ -23,6 +23,7 @@ import numpy as np
 
 from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.numerics.units import Kind, parse_unit
+from heavylift.numerics.words import nearest
 from heavylift.pipeline.case.channel_names import (
     combination_of,
     combined_kind,
@@ -344,7 +345,7 @@ class Results:
             name,
             pattern,
             (channel.partition(".")[0] for channel in self._channels),
-            lambda owner: self._term(substituted(name, pattern, owner)),
+            lambda owner: self.term(substituted(name, pattern, owner)),
         )
         return tuple(substituted(name, pattern, owner) for owner in owners)
 
@@ -354,13 +355,15 @@ class Results:
             return self._combinations[name]
         combination = combination_of(name)
         if combination is None:
+            near = nearest(name, self._channels)
+            hint = f"; did you mean {near!r}?" if near else ""
             raise InputError(
-                f"channel {name!r} does not exist",
-                source=self.source,
+                f"channel {name!r} does not exist{hint}",
+                source=self.told_as,
                 expected=f"one of: {', '.join(self._channels)}",
             )
         terms = [
-            self._term(one)
+            self.term(one)
             for term in combination.terms
             for one in (self.fitting(term) if combination.function == "sum" else (term,))
         ]
@@ -371,7 +374,7 @@ class Results:
             if values.shape != first.shape or (values.ndim > 1 and info.components != components):
                 raise InputError(
                     f"{name!r} combines {len(components)} components with {len(info.components)}",
-                    source=self.source,
+                    source=self.told_as,
                     expected="channels with the same components, or one component of each",
                 )
         values = first
@@ -387,7 +390,7 @@ class Results:
         self._combinations[name] = values, ChannelInfo(name, unit, columns, 0)
         return self._combinations[name]
 
-    def _term(self, name: str) -> tuple[NDArray[np.float64], ChannelInfo]:
+    def term(self, name: str) -> tuple[NDArray[np.float64], ChannelInfo]:
         """Records of a channel, of a component of one, or of a combination."""
         *parts, last = split_name(name)
         whole = ".".join(parts)
@@ -397,12 +400,17 @@ class Results:
         if last not in info.components:
             raise InputError(
                 f"{name!r} does not exist",
-                source=self.source,
+                source=self.told_as,
                 expected=f"a component: {', '.join(info.components[:20])}",
             )
         values = self[whole]
         column = values if values.ndim == 1 else values[:, info.components.index(last)]
         return column, info._replace(name=name, components=(last,))
+
+    @property
+    def told_as(self) -> object:
+        """What messages call it: where it comes from."""
+        return self.source
 
     @property
     def names(self) -> tuple[str, ...]:

@@ -277,3 +277,34 @@ def test_every_row_of_a_table_has_its_class():
         assert made.SECTION.model_fields["type"].default == word or word in str(
             made.SECTION.model_fields["type"].annotation
         )
+
+
+def test_a_component_is_renamed_with_all_that_names_it():
+    model = hl.load(CASES / "hoist")
+    fall = model["fall"]
+    assert model.rename("fall", "hoist") is fall
+    model.rename("load", "module")
+    case = model.case()
+    assert list(case.bodies) == ["module"]
+    assert case.ropes[0].path[1].body == "module"
+    assert [one.channel for one in case.reference] == ["module.position", "hoist.tension"]
+    assert model.document["criteria"][0]["load"] == "hoist.tension"
+    assert model.document["criteria"][0]["fall"] == "hoist"
+    assert model.document["criteria"][4]["quantity"] == "channel.module.position.z.rate"
+    assert model["reference.load"].channel == "module.position"
+    before = model.document
+    for new, words in (("hoist", "is the name of a Rope already"), ("a b", "letters, digits")):
+        assert words in message(lambda new=new: model.rename("module", new))
+    assert model.document == before
+    assert "has no name" in message(lambda: model.rename("simulate", "other"))
+
+
+def test_what_equipment_writes_is_renamed_with_it():
+    model = hl.load(CASES / "floating_crane_lift")
+    model.rename("crane", "lifter")
+    model.rename("hull", "barge")
+    case = model.case()
+    assert "lifter_boom" in case.bodies
+    assert list(case.hulls) == ["barge"]
+    assert case.criteria[0].reach.tip.body == "lifter_boom"
+    assert "lifter_hook_1_rope" in {rope.name for rope in case.ropes}
