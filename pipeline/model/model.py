@@ -342,8 +342,8 @@ class Model:
                 object.__setattr__(held, "_name", new)
             _rename_key(content, old, new)
         if table.key == "bodies":  # what is beside a body has its name
-            for key, other in TABLES.items():
-                if other.names == "bodies" and old in self._document.get(key, {}):
+            for key, beside in TABLES.items():
+                if beside.names == "bodies" and old in self._document.get(key, {}):
                     held = self._held.get(id(self._document[key][old]))
                     if held is not None:
                         object.__setattr__(held, "_name", new)
