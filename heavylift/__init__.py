@@ -13,23 +13,30 @@ from typing import Any
 _HOMES = {
     "Case": "pipeline.case.case_file",
     "Component": "pipeline.model.components",
+    "ExchangeError": "pipeline.exchange.client",
     "InputError": "numerics.outcome",
     "Model": "pipeline.model.model",
     "Outcome": "numerics.outcome",
+    "RemoteSimulation": "pipeline.exchange.client",
     "Results": "pipeline.results.histories",
     "Run": "pipeline.model.results",
+    "Simulation": "pipeline.stepping.simulation",
+    "SimulationStopped": "pipeline.stepping.simulation",
+    "State": "pipeline.stepping.state",
     "StopError": "pipeline.results.storage",
+    "connect": "pipeline.exchange.client",
     "load": "pipeline.model.model",
     "load_case": "pipeline.case.case_file",
     "load_results": "pipeline.results.histories",
+    "open_child": "pipeline.exchange.client",
     "run_case": "pipeline.stages.stages",
 }
-"""Modules of the names that are no components."""
+"""Modules of the names that are no components. `__init__.pyi` has them too: `heavylift schema --python` writes it."""
 
 
 def __getattr__(name: str) -> Any:
     if name in _HOMES:
-        return getattr(import_module(f"heavylift.{_HOMES[name]}"), name)
+        return getattr(import_module(f"{__name__}.{_HOMES[name]}"), name)
     if name[:1].isupper():
         found = import_module("heavylift.pipeline.model.components").component_class(name)
         if found is not None:
@@ -38,6 +45,5 @@ def __getattr__(name: str) -> Any:
 
 
 def __dir__() -> list[str]:
-    return sorted(
-        {*globals(), *_HOMES, *import_module("heavylift.pipeline.model.components").component_names()}
-    )
+    components = import_module("heavylift.pipeline.model.components").component_names()
+    return sorted({*globals(), *_HOMES, *components})

@@ -9,29 +9,36 @@ from typing import Any, Literal, Required, TypedDict
 from numpy.typing import NDArray
 from heavylift.numerics.outcome import InputError as InputError, Outcome as Outcome
 from heavylift.pipeline.case.case_file import Case as Case, load_case as load_case
+from heavylift.pipeline.exchange.client import ExchangeError as ExchangeError, RemoteSimulation as RemoteSimulation, connect as connect, open_child as open_child
 from heavylift.pipeline.model.components import Component as Component
 from heavylift.pipeline.model.model import Model as Model, load as load
 from heavylift.pipeline.model.results import Run as Run
 from heavylift.pipeline.results.histories import Results as Results, load_results as load_results
 from heavylift.pipeline.results.storage import StopError as StopError
 from heavylift.pipeline.stages.stages import run_case as run_case
+from heavylift.pipeline.stepping.simulation import Simulation as Simulation, SimulationStopped as SimulationStopped
+from heavylift.pipeline.stepping.state import State as State
 
 __all__ = [
     "Ball", "Ballast", "BandContour", "BilateralLawContact", "Case", "Check", "ClearanceCriterion",
     "Clutch", "CoefficientLoad", "Component", "Controller", "Converge", "CraneCriterion", "CurveContour",
-    "CylinderContour", "Cylindrical", "Database", "Deck", "Distance", "Drag", "DynamicsCriterion",
-    "EdgeClamp", "EdgeHinge", "Equalizer", "Falls", "Fender", "FixedJoint", "FleetAngle", "FlexibleBody",
-    "FloatingCrane", "FrameBody", "GantryCrane", "Gravity", "Guide", "HertzLawCollision",
-    "HertzLawContact", "Hinge", "HookLoad", "Hull", "HuntCrossleyLawCollision", "HuntCrossleyLawContact",
-    "InputError", "JointMotor", "JointSpring", "LimitCriterion", "LineBearing", "LinearLawCollision",
+    "CylinderContour", "Cylindrical", "Database", "Deck", "Distance", "Drag", "DrivePositionInput",
+    "DriveSpeedInput", "DynamicsCriterion", "EdgeClamp", "EdgeHinge", "Equalizer", "ExchangeError",
+    "Falls", "Fender", "FixedJoint", "FleetAngle", "FlexibleBody", "FloatingCrane", "Fmu", "ForceInput",
+    "FrameAngleInput", "FrameBody", "FramePositionInput", "FrameSpeedInput", "FrameTurnRateInput",
+    "GantryCrane", "Gravity", "Guide", "HeightTargetInput", "HertzLawCollision", "HertzLawContact",
+    "Hinge", "HookLoad", "Hull", "HuntCrossleyLawCollision", "HuntCrossleyLawContact", "InputError",
+    "JointLoadInput", "JointMotor", "JointSpring", "LimitCriterion", "LineBearing", "LinearLawCollision",
     "LinearLawContact", "LinkBeam", "Lug", "LugCriterion", "LumpedCable", "MaxwellRope", "Model",
-    "MooringLine", "Outcome", "Planar", "PointForce", "Pump", "Reference", "RelativeMotion", "Repeat",
-    "Report", "Results", "RigidBody", "RigidLawCollision", "RigidLawContact", "RodBody", "Rope",
-    "RopeGroup", "Run", "Scenario", "Screw", "Sea", "Sensor", "ShackleCriterion", "SharedLines",
-    "ShellBody", "Simulate", "SlackCriterion", "Slider", "SliderHinge", "SlingAngleCriterion",
-    "SlingCriterion", "SpreadCriterion", "Spreader", "Spring", "SpringRope", "StopError", "Surface",
-    "SurfaceContour", "Tank", "ThesisLawCollision", "TiltCriterion", "TransportCriterion", "Transporter",
-    "Tugger", "Universal", "YieldCriterion", "load", "load_case", "load_results", "run_case"
+    "MomentInput", "MooringLine", "Outcome", "Planar", "PointForce", "Pump", "Reference",
+    "RelativeMotion", "RemoteSimulation", "Repeat", "Report", "Results", "RigidBody", "RigidLawCollision",
+    "RigidLawContact", "RodBody", "Rope", "RopeGroup", "Run", "Scenario", "Screw", "Sea", "Sensor",
+    "ShackleCriterion", "SharedLines", "ShellBody", "Simulate", "Simulation", "SimulationStopped",
+    "SlackCriterion", "Slider", "SliderHinge", "SlingAngleCriterion", "SlingCriterion", "SpreadCriterion",
+    "Spreader", "Spring", "SpringRope", "State", "StopError", "Surface", "SurfaceContour", "Tank",
+    "TankRateInput", "ThesisLawCollision", "TiltCriterion", "TiltTargetInput", "TransportCriterion",
+    "Transporter", "Tugger", "Universal", "WinchLengthInput", "WinchSpeedInput", "YieldCriterion",
+    "connect", "load", "load_case", "load_results", "open_child", "run_case"
 ]
 
 Quantity = float | str
@@ -1239,6 +1246,10 @@ class Repeat(Component):
         Hook loads, as in the case.
     rope_groups : list of table, optional
         Rope groups, as in the case.
+    fmus : list of table, optional
+        FMUs, as in the case.
+    inputs : list of table, optional
+        Inputs, as in the case.
     """
 
     def __init__(
@@ -1277,6 +1288,8 @@ class Repeat(Component):
         lugs: Sequence[Mapping[str, Any]] = ...,
         hook_loads: Sequence[Mapping[str, Any]] = ...,
         rope_groups: Sequence[Mapping[str, Any]] = ...,
+        fmus: Sequence[Mapping[str, Any]] = ...,
+        inputs: Sequence[Mapping[str, Any]] = ...,
     ) -> None: ...
     count: int | str
     first: int | str
@@ -1311,6 +1324,8 @@ class Repeat(Component):
     lugs: Sequence[Mapping[str, Any]]
     hook_loads: Sequence[Mapping[str, Any]]
     rope_groups: Sequence[Mapping[str, Any]]
+    fmus: Sequence[Mapping[str, Any]]
+    inputs: Sequence[Mapping[str, Any]]
 
 class FlexibleBody(Component):
     """A body with a finite-element model that deforms.
@@ -5364,6 +5379,608 @@ class RopeGroup(Component):
     ) -> None: ...
     ropes: Sequence[str]
     breaking_load: Quantity | None
+
+class Fmu(Component):
+    """A functional mock-up unit (FMI 2 or 3, co-simulation): a controller, a force, a machine from another program.
+
+    Parameters
+    ----------
+    name : text
+        For messages.
+    file : text
+        Its .fmu in the case folder.
+    sample_time : time [s] > 0
+        Time between two exchanges [s]: a multiple of a fixed step, or of the output interval with a
+        tolerance.
+    reads : table, optional
+        Its inputs, and the channel that each of them gets: { x = "module.position.x" }. Values are
+        converted where the FMU gives a unit.
+    writes : table, optional
+        Its outputs, and the input of the case that each of them drives: { u = "gust" }.
+    parameters : table, optional
+        Values of its parameters, in its own units.
+    coupling : "sequential", "iterated", default "sequential"
+        sequential: the FMU makes its step with what it reads, constant, then the scene with what the
+        FMU then writes; first order in the sample time. iterated: both repeat the interval until what
+        they exchange fits at its end, linear in between; second order, for FMUs that can get and set
+        their state.
+    timeout : time [s] > 0, default 60.0
+        Longest time of the clock [s] that a call of the FMU may take.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        /,
+        *,
+        file: str,
+        sample_time: Quantity,
+        reads: Mapping[str, str] = ...,
+        writes: Mapping[str, str] = ...,
+        parameters: Mapping[str, Quantity | bool] = ...,
+        coupling: Literal["sequential", "iterated"] = ...,
+        timeout: Quantity = ...,
+    ) -> None: ...
+    file: str
+    sample_time: Quantity
+    reads: Mapping[str, str]
+    writes: Mapping[str, str]
+    parameters: Mapping[str, Quantity | bool]
+    coupling: Literal["sequential", "iterated"]
+    timeout: Quantity
+
+class DrivePositionInput(Component):
+    """Angle or travel to which a drive of a hinge or a slider moves; begins with that at the start.
+
+    Parameters
+    ----------
+    name : text
+        Name; the first part of its channels.
+    joint : text
+        A hinge, whose angle [rad] counts, or a slider, whose travel [m] counts.
+    smallest : quantity, optional
+        Smallest value that it may be set to [rad] or [m].
+    largest : quantity, optional
+        Largest value that it may be set to [rad] or [m].
+
+    Notes
+    -----
+    Channels: NAME.value [rad], NAME.value [m].
+    """
+
+    def __init__(
+        self,
+        name: str,
+        /,
+        *,
+        joint: str,
+        smallest: Quantity | None = ...,
+        largest: Quantity | None = ...,
+    ) -> None: ...
+    joint: str
+    smallest: Quantity | None
+    largest: Quantity | None
+
+class DriveSpeedInput(Component):
+    """Speed of the drive of a hinge or a slider, which stands without it.
+
+    Parameters
+    ----------
+    name : text
+        Name; the first part of its channels.
+    joint : text
+        A hinge, whose angle [rad] counts, or a slider, whose travel [m] counts.
+    value : quantity, default 0.0
+        At the start [rad/s] or [m/s]; held until it is set.
+    interpolation : "held", "linear", default "held"
+        Whether it jumps when it is set, or moves to what it is set to during the next exchange.
+    smallest : quantity, optional
+        Smallest value that it may be set to.
+    largest : quantity, optional
+        Largest value that it may be set to.
+
+    Notes
+    -----
+    Channels: NAME.value [rad/s], NAME.value [m/s].
+    """
+
+    def __init__(
+        self,
+        name: str,
+        /,
+        *,
+        joint: str,
+        value: Quantity = ...,
+        interpolation: Literal["held", "linear"] = ...,
+        smallest: Quantity | None = ...,
+        largest: Quantity | None = ...,
+    ) -> None: ...
+    joint: str
+    value: Quantity
+    interpolation: Literal["held", "linear"]
+    smallest: Quantity | None
+    largest: Quantity | None
+
+class ForceInput(Component):
+    """A force on a point of a body, along a direction in the axes of the world or of the body.
+
+    Parameters
+    ----------
+    name : text
+        Its name; its channel is NAME.value.
+    body : text
+        Body that is loaded.
+    point : 3 x length [m] or text
+        Loaded point in the coordinates of the geometry [m]; of a flexible body, frame or shell any
+        point of its mesh, or the name of an interface.
+    value : force [N], default 0.0
+        At the start [N]; held until it is set.
+    smallest : force [N], optional
+        Smallest value that it may be set to [N].
+    largest : force [N], optional
+        Largest value that it may be set to [N].
+    direction : 3 x number, default [1.0, 0.0, 0.0]
+        Along which it acts, of any length.
+    frame : "world", "body", default "world"
+        Axes of the direction: of the world, or of the body frame.
+    interpolation : "held", "linear", default "held"
+        Whether it jumps when it is set, or moves to what it is set to during the next exchange.
+
+    Notes
+    -----
+    Channels: NAME.value [N].
+    """
+
+    def __init__(
+        self,
+        name: str,
+        /,
+        *,
+        body: str,
+        point: Numbers | str,
+        value: Quantity = ...,
+        smallest: Quantity | None = ...,
+        largest: Quantity | None = ...,
+        direction: Numbers = ...,
+        frame: Literal["world", "body"] = ...,
+        interpolation: Literal["held", "linear"] = ...,
+    ) -> None: ...
+    body: str
+    point: Numbers | str
+    value: Quantity
+    smallest: Quantity | None
+    largest: Quantity | None
+    direction: Numbers
+    frame: Literal["world", "body"]
+    interpolation: Literal["held", "linear"]
+
+class FrameAngleInput(Component):
+    """Angle of a frame about the axis of its drive; begins with that at the start.
+
+    Parameters
+    ----------
+    name : text
+        Name; the first part of its channels.
+    body : text
+        Body whose frame is driven or fixed.
+    smallest : angle [rad], optional
+        Smallest value that it may be set to [rad].
+    largest : angle [rad], optional
+        Largest value that it may be set to [rad].
+
+    Notes
+    -----
+    Channels: NAME.value [rad].
+    """
+
+    def __init__(
+        self,
+        name: str,
+        /,
+        *,
+        body: str,
+        smallest: Quantity | None = ...,
+        largest: Quantity | None = ...,
+    ) -> None: ...
+    body: str
+    smallest: Quantity | None
+    largest: Quantity | None
+
+class FramePositionInput(Component):
+    """Displacement of a frame along an axis of the world; begins with that at the start.
+
+    Parameters
+    ----------
+    name : text
+        Name; the first part of its channels.
+    body : text
+        Body whose frame is driven or fixed.
+    axis : "x", "y", "z"
+        Axis of the world along which it moves.
+    smallest : length [m], optional
+        Smallest value that it may be set to [m].
+    largest : length [m], optional
+        Largest value that it may be set to [m].
+
+    Notes
+    -----
+    Channels: NAME.value [m].
+    """
+
+    def __init__(
+        self,
+        name: str,
+        /,
+        *,
+        body: str,
+        axis: Literal["x", "y", "z"],
+        smallest: Quantity | None = ...,
+        largest: Quantity | None = ...,
+    ) -> None: ...
+    body: str
+    axis: Literal["x", "y", "z"]
+    smallest: Quantity | None
+    largest: Quantity | None
+
+class FrameSpeedInput(Component):
+    """Speed of a frame along an axis of the world, in which it stands without it.
+
+    Parameters
+    ----------
+    name : text
+        Name; the first part of its channels.
+    body : text
+        Body whose frame is driven or fixed.
+    axis : "x", "y", "z"
+        Axis of the world along which it moves.
+    value : velocity [m/s], default 0.0
+        At the start [m/s]; held until it is set.
+    smallest : velocity [m/s], optional
+        Smallest value that it may be set to [m/s].
+    largest : velocity [m/s], optional
+        Largest value that it may be set to [m/s].
+    interpolation : "held", "linear", default "held"
+        Whether it jumps when it is set, or moves to what it is set to during the next exchange.
+
+    Notes
+    -----
+    Channels: NAME.value [m/s].
+    """
+
+    def __init__(
+        self,
+        name: str,
+        /,
+        *,
+        body: str,
+        axis: Literal["x", "y", "z"],
+        value: Quantity = ...,
+        smallest: Quantity | None = ...,
+        largest: Quantity | None = ...,
+        interpolation: Literal["held", "linear"] = ...,
+    ) -> None: ...
+    body: str
+    axis: Literal["x", "y", "z"]
+    value: Quantity
+    smallest: Quantity | None
+    largest: Quantity | None
+    interpolation: Literal["held", "linear"]
+
+class FrameTurnRateInput(Component):
+    """Rate at which a frame turns about the axis of its drive.
+
+    Parameters
+    ----------
+    name : text
+        Name; the first part of its channels.
+    body : text
+        Body whose frame is driven or fixed.
+    value : angular velocity [rad/s], default 0.0
+        At the start [rad/s]; held until it is set.
+    interpolation : "held", "linear", default "held"
+        Whether it jumps when it is set, or moves to what it is set to during the next exchange.
+    smallest : angular velocity [rad/s], optional
+        Smallest value that it may be set to [rad/s].
+    largest : angular velocity [rad/s], optional
+        Largest value that it may be set to [rad/s].
+
+    Notes
+    -----
+    Channels: NAME.value [rad/s].
+    """
+
+    def __init__(
+        self,
+        name: str,
+        /,
+        *,
+        body: str,
+        value: Quantity = ...,
+        interpolation: Literal["held", "linear"] = ...,
+        smallest: Quantity | None = ...,
+        largest: Quantity | None = ...,
+    ) -> None: ...
+    body: str
+    value: Quantity
+    interpolation: Literal["held", "linear"]
+    smallest: Quantity | None
+    largest: Quantity | None
+
+class HeightTargetInput(Component):
+    """Draft, or height of a point, that a controller of ballast keeps; begins with that of the controller.
+
+    Parameters
+    ----------
+    name : text
+        Name; the first part of its channels.
+    controller : text
+        Controller of ballast.
+    keeps : "draft", "level_1", "level_2", "level_3"
+        The draft, or the height of which of its levels.
+    smallest : length [m], optional
+        Smallest value that it may be set to [m].
+    largest : length [m], optional
+        Largest value that it may be set to [m].
+
+    Notes
+    -----
+    Channels: NAME.value [m].
+    """
+
+    def __init__(
+        self,
+        name: str,
+        /,
+        *,
+        controller: str,
+        keeps: Literal["draft", "level_1", "level_2", "level_3"],
+        smallest: Quantity | None = ...,
+        largest: Quantity | None = ...,
+    ) -> None: ...
+    controller: str
+    keeps: Literal["draft", "level_1", "level_2", "level_3"]
+    smallest: Quantity | None
+    largest: Quantity | None
+
+class JointLoadInput(Component):
+    """A torque or force of side a of a joint on its side b.
+
+    Parameters
+    ----------
+    name : text
+        Name; the first part of its channels.
+    joint : text
+        A hinge, whose angle [rad] counts, or a slider, whose travel [m] counts.
+    coordinate : "angle", "travel", optional
+        Of a joint that both turns and slides: what of it counts.
+    value : quantity, default 0.0
+        At the start [N m] or [N]; held until it is set.
+    interpolation : "held", "linear", default "held"
+        Whether it jumps when it is set, or moves to what it is set to during the next exchange.
+    smallest : quantity, optional
+        Smallest value that it may be set to.
+    largest : quantity, optional
+        Largest value that it may be set to.
+
+    Notes
+    -----
+    Channels: NAME.value [N m], NAME.value [N].
+    """
+
+    def __init__(
+        self,
+        name: str,
+        /,
+        *,
+        joint: str,
+        coordinate: Literal["angle", "travel"] | None = ...,
+        value: Quantity = ...,
+        interpolation: Literal["held", "linear"] = ...,
+        smallest: Quantity | None = ...,
+        largest: Quantity | None = ...,
+    ) -> None: ...
+    joint: str
+    coordinate: Literal["angle", "travel"] | None
+    value: Quantity
+    interpolation: Literal["held", "linear"]
+    smallest: Quantity | None
+    largest: Quantity | None
+
+class MomentInput(Component):
+    """A moment on a body, about a direction in the axes of the world or of the body.
+
+    Parameters
+    ----------
+    name : text
+        Its name; its channel is NAME.value.
+    body : text
+        Body that is loaded.
+    point : 3 x length [m] or text
+        Where it acts, in the coordinates of the geometry [m]; of a rigid body any point.
+    direction : 3 x number, default [0.0, 0.0, 1.0]
+        About which it acts, of any length.
+    frame : "world", "body", default "world"
+        Axes of the direction: of the world, or of the body frame.
+    value : moment or energy [N m], default 0.0
+        At the start [N m]; held until it is set.
+    interpolation : "held", "linear", default "held"
+        Whether it jumps when it is set, or moves to what it is set to during the next exchange.
+    smallest : moment or energy [N m], optional
+        Smallest value that it may be set to [N m].
+    largest : moment or energy [N m], optional
+        Largest value that it may be set to [N m].
+
+    Notes
+    -----
+    Channels: NAME.value [N m].
+    """
+
+    def __init__(
+        self,
+        name: str,
+        /,
+        *,
+        body: str,
+        point: Numbers | str,
+        direction: Numbers = ...,
+        frame: Literal["world", "body"] = ...,
+        value: Quantity = ...,
+        interpolation: Literal["held", "linear"] = ...,
+        smallest: Quantity | None = ...,
+        largest: Quantity | None = ...,
+    ) -> None: ...
+    body: str
+    point: Numbers | str
+    direction: Numbers
+    frame: Literal["world", "body"]
+    value: Quantity
+    interpolation: Literal["held", "linear"]
+    smallest: Quantity | None
+    largest: Quantity | None
+
+class TankRateInput(Component):
+    """Water that is pumped into a tank, out of it if negative, until it is empty.
+
+    Parameters
+    ----------
+    name : text
+        Name; the first part of its channels.
+    tank : text
+        Tank with a mass at the start, and without [[pumps]].
+    value : mass flow [kg/s], default 0.0
+        At the start [kg/s]; held until it is set.
+    smallest : mass flow [kg/s], optional
+        Smallest value that it may be set to [kg/s].
+    largest : mass flow [kg/s], optional
+        Largest value that it may be set to [kg/s].
+
+    Notes
+    -----
+    Channels: NAME.value [kg/s].
+    """
+
+    def __init__(
+        self,
+        name: str,
+        /,
+        *,
+        tank: str,
+        value: Quantity = ...,
+        smallest: Quantity | None = ...,
+        largest: Quantity | None = ...,
+    ) -> None: ...
+    tank: str
+    value: Quantity
+    smallest: Quantity | None
+    largest: Quantity | None
+
+class TiltTargetInput(Component):
+    """Heel or trim that a controller of ballast keeps; begins with that of the controller.
+
+    Parameters
+    ----------
+    name : text
+        Name; the first part of its channels.
+    controller : text
+        Controller of ballast.
+    keeps : "heel", "trim"
+        Which of them.
+    smallest : angle [rad], optional
+        Smallest value that it may be set to [rad].
+    largest : angle [rad], optional
+        Largest value that it may be set to [rad].
+
+    Notes
+    -----
+    Channels: NAME.value [rad].
+    """
+
+    def __init__(
+        self,
+        name: str,
+        /,
+        *,
+        controller: str,
+        keeps: Literal["heel", "trim"],
+        smallest: Quantity | None = ...,
+        largest: Quantity | None = ...,
+    ) -> None: ...
+    controller: str
+    keeps: Literal["heel", "trim"]
+    smallest: Quantity | None
+    largest: Quantity | None
+
+class WinchLengthInput(Component):
+    """Unstretched length of a wire rope, which its winch changes; begins with that at the start.
+
+    Parameters
+    ----------
+    name : text
+        Name; the first part of its channels.
+    rope : text
+        Name of a wire rope, whose winch has no plan of its own.
+    smallest : length [m] > 0, optional
+        Smallest value that it may be set to [m].
+    largest : length [m] > 0, optional
+        Largest value that it may be set to [m].
+
+    Notes
+    -----
+    Channels: NAME.value [m].
+    """
+
+    def __init__(
+        self,
+        name: str,
+        /,
+        *,
+        rope: str,
+        smallest: Quantity | None = ...,
+        largest: Quantity | None = ...,
+    ) -> None: ...
+    rope: str
+    smallest: Quantity | None
+    largest: Quantity | None
+
+class WinchSpeedInput(Component):
+    """Speed of the winch of a wire rope; hauls in if positive.
+
+    Parameters
+    ----------
+    name : text
+        Name; the first part of its channels.
+    rope : text
+        Name of a wire rope, whose winch has no plan of its own.
+    value : velocity [m/s], default 0.0
+        At the start [m/s]; held until it is set.
+    smallest : velocity [m/s], optional
+        Smallest value that it may be set to [m/s].
+    largest : velocity [m/s], optional
+        Largest value that it may be set to [m/s].
+    interpolation : "held", "linear", default "held"
+        Whether it jumps when it is set, or moves to what it is set to during the next exchange.
+
+    Notes
+    -----
+    Channels: NAME.value [m/s].
+    """
+
+    def __init__(
+        self,
+        name: str,
+        /,
+        *,
+        rope: str,
+        value: Quantity = ...,
+        smallest: Quantity | None = ...,
+        largest: Quantity | None = ...,
+        interpolation: Literal["held", "linear"] = ...,
+    ) -> None: ...
+    rope: str
+    value: Quantity
+    smallest: Quantity | None
+    largest: Quantity | None
+    interpolation: Literal["held", "linear"]
 
 class Scenario(Component):
     """Phases of an operation, one after the other.
