@@ -73,7 +73,15 @@ class _CaseHeading(Section):
 
 
 class Case(SceneTables, _CaseHeading):
-    """The content of a case file in SI units; made by `load_case`."""
+    """The content of a case file in SI units; made by `load_case`.
+
+    Examples
+    --------
+    >>> import heavylift as hl
+    >>> case = hl.load_case("cases/hoist")
+    >>> case.ropes[0].length, case.simulate.step
+    (100.0, 0.01)
+    """
 
     reference: tuple[ReferenceSection, ...] = ()
     """Recorded histories to compare with."""
@@ -541,6 +549,12 @@ def load_case(
         If the file is missing or is no TOML.
     InputErrors
         Everything that is wrong with its content, one line each.
+
+    Examples
+    --------
+    >>> import heavylift as hl
+    >>> hl.load_case("cases/hoist", ["ropes.fall.length=101 m"]).ropes[0].length
+    101.0
     """
     file = Path(path)
     if file.is_dir():

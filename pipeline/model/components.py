@@ -130,6 +130,17 @@ class Component(metaclass=_ComponentClass):
 
     Keys are attributes: ``rope.length = "12 m"``, and items: ``rope["length"]``. What was not given is the default;
     None takes a key away. Values are as in a case file, numbers in SI or texts with a unit.
+
+    Examples
+    --------
+    >>> import heavylift as hl
+    >>> push = hl.PointForce("push", body="load", point=[0, 0, 0], times=[0, 1], forces=[[0, 0, 0], ["5 kN", 0, 0]])
+    >>> push.body = "module"
+    >>> push.times, push["name"]
+    ([0, 1], 'push')
+    >>> push.body = 3
+    Traceback (most recent call last):
+    heavylift.numerics.outcome.InputError: ...PointForce('push').body: 3 is not a string; expected a string
     """
 
     TABLE: ClassVar[CaseTable]

@@ -55,19 +55,16 @@ class Model:
 
     >>> import heavylift as hl
     >>> model = hl.Model("A load on a rope")
-    >>> model.add(hl.Gravity(acceleration=[0, 0, -9.81]))
-    Gravity(acceleration=[0, 0, -9.81])
-    >>> load = model.add(
-    ...     hl.RigidBody("load", mass="20 t", inertia=[1e4, 1e4, 1e4], frame={"motion": "free"})
-    ... )
     >>> path = [{"body": "ground", "point": [0, 0, 10]}, {"body": "load", "point": [0, 0, 0]}]
-    >>> hoist = model.add(hl.Rope("hoist", path=path, axial_stiffness="50 MN"))
-    >>> run = model.add(
-    ...     hl.Simulate(start="equilibrium", step="10 ms", duration="1 s", output_interval="0.1 s")
+    >>> gravity = model.add(
+    ...     hl.Gravity(acceleration=[0, 0, -9.81]),
+    ...     hl.RigidBody("load", mass="20 t", inertia=[1e4, 1e4, 1e4], frame={"motion": "free"}),
+    ...     hl.Rope("hoist", path=path, axial_stiffness="50 MN"),
+    ...     hl.Simulate(start="equilibrium", step="10 ms", duration="1 s", output_interval="0.1 s"),
     ... )
     >>> result = model.run()
-    >>> print(result.unit("hoist.tension"), result["hoist.tension"].round(3)[-1])
-    N 196200.0
+    >>> print(f"{result['hoist.tension'][-1]:.1f} {result.unit('hoist.tension')}")
+    196200.0 N
     """
 
     def __init__(self, title: str, *, sources: Sequence[str] = (), folder: Path | str = ".") -> None:
@@ -124,8 +121,8 @@ class Model:
         --------
         >>> import heavylift as hl
         >>> model = hl.Model("Nothing moves")
-        >>> model.add(hl.Gravity(acceleration=["0 m/s^2", 0, "-1 g"])).acceleration
-        ['0 m/s^2', 0, '-1 g']
+        >>> model.add(hl.Gravity(acceleration=[0, 0, "-9.81 m/s^2"])).acceleration
+        [0, 0, '-9.81 m/s^2']
         """
         found = self._add(component)
         for one in more:
@@ -424,9 +421,8 @@ class Model:
         Examples
         --------
         >>> import heavylift as hl
-        >>> model = hl.Model("A rope to nowhere")
-        >>> model.add(hl.RigidBody("load", mass=1.0, inertia=[1, 1, 1], frame={"motion": "fixed"})).mass
-        1.0
+        >>> model = hl.Model("A body that is held")
+        >>> body = model.add(hl.RigidBody("load", mass=1, inertia=[1, 1, 1], frame={"motion": "fixed"}))
         >>> list(model.case().bodies)
         ['load']
         """
@@ -581,6 +577,16 @@ def load(path: Path | str) -> Model:
     ------
     InputError
         Everything that is wrong with it.
+
+    Examples
+    --------
+    >>> import heavylift as hl
+    >>> model = hl.load("cases/hoist")
+    >>> model["fall"].length, model["simulate"].step
+    ('100 m', '10 ms')
+    >>> model.set("ropes.fall.length", 101.0)
+    >>> model.case().ropes[0].length
+    101.0
     """
     file = Path(path)
     file = file / CASE_FILE if file.is_dir() else file

@@ -50,6 +50,15 @@ class Run(Results):
         How the stages ended, see `heavylift.pipeline.stages.stages.RunReport`.
     out
         Output folder; a temporary one goes with the last reference to the run.
+
+    Examples
+    --------
+    >>> import heavylift as hl
+    >>> run = hl.load("cases/hoist").run()
+    >>> run.completed, run.passed, run["fall.tension"].shape
+    (True, True, (101,))
+    >>> print(run.verdict)
+    Passed: all 5 criteria, of which crane uses most, 77.2 %; all 3 checks.
     """
 
     def __init__(

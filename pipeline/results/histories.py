@@ -281,6 +281,13 @@ class Results:
         Outcome, step, digests, versions and sources.
     meshes
         File with the shapes of frames and shells, if there may be one.
+
+    Examples
+    --------
+    >>> import heavylift as hl
+    >>> results = hl.load("cases/hoist").run()
+    >>> results["load.position"].shape, results.components("load.position"), results.unit("load.position")
+    ((101, 3), ('x', 'y', 'z'), 'm')
     """
 
     def __init__(
@@ -531,6 +538,13 @@ def load_results(source: Case | Path | str, out: Path | str | None = None) -> Re
     ------
     InputError
         If there are no results, or the file is truncated; the message says how to make them.
+
+    Examples
+    --------
+    >>> import heavylift as hl
+    >>> report = hl.run_case(hl.load_case("cases/hoist"), stages=("simulate",))
+    >>> print(f"{hl.load_results('cases/hoist')['fall.tension'][0]:.0f} N")
+    4905000 N
     """
     file = _results_file(source, out)
     folder = OutputFolder(file.parent.parent)
