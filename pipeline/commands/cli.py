@@ -285,7 +285,9 @@ for _command in (*PAGE_COMMANDS, *SEA_COMMANDS, *EXCHANGE_COMMANDS, *COUPLE_COMM
 
 
 @app.command
-def schema(section: str = "", /, *, tables: bool = False, out: Path | None = None) -> int:
+def schema(
+    section: str = "", /, *, tables: bool = False, python: bool = False, out: Path | None = None
+) -> int:
     """Print the keys of a section of case.toml; without one, the JSON Schema for editors.
 
     Parameters
@@ -294,6 +296,8 @@ def schema(section: str = "", /, *, tables: bool = False, out: Path | None = Non
         As ropes, joints.hinge, bodies.geometry; case lists the sections.
     tables
         Tables of all keys in Markdown instead.
+    python
+        Types of the Python package instead, as heavylift/__init__.pyi.
     out
         With --tables: folder for a page a table and an index, as docs/case_keys.
     """
@@ -321,6 +325,11 @@ def schema(section: str = "", /, *, tables: bool = False, out: Path | None = Non
             return 0
 
         return guarded(command, quiet=True, json=False)
+    if python:
+        from heavylift.pipeline.model.stub import stub_text
+
+        print_lines([stub_text().removesuffix("\n")])
+        return 0
     if tables:
         from heavylift.pipeline.case.schema import key_tables
 
