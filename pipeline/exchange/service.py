@@ -7,7 +7,7 @@ from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 from heavylift.numerics.outcome import InputError, in_one_line
-from heavylift.pipeline.exchange.protocol import PROTOCOL, check_request
+from heavylift.pipeline.exchange.protocol import PROTOCOL, FormatError, check_request
 from heavylift.pipeline.results.storage import StopError
 from heavylift.pipeline.stepping.state import State
 
@@ -105,6 +105,8 @@ class Service:
             if message.do != "hello":
                 self._check_seat(message, seat)
             fields = self._work[message.do](request, seat)
+        except FormatError:
+            raise
         except InputError as error:
             seat.closed = seat.closed or not seat.role
             return error_answer(number, "input", error.problem, error.key, error.expected)
