@@ -358,6 +358,8 @@ class RemoteSimulation:
             except TimeoutError:
                 seconds = self._connection.gettimeout()
                 raise ExchangeError("lost", f"{self._name}: no answer within {seconds:g} s") from None
+            except ConnectionResetError:
+                more = b""
             except OSError as error:
                 raise ExchangeError("lost", f"{self._name}: {error.strerror}") from None
             if not more:

@@ -7,37 +7,19 @@ import signal
 import subprocess
 import sys
 import time
-from pathlib import Path
 
 import pytest
 
 import heavylift as hl
-from heavylift.numerics.children import python_command
 from heavylift.numerics.outcome import InputError
 from heavylift.pipeline import load_case, load_results
 from heavylift.pipeline.exchange.serving import serve_case
 from heavylift.pipeline.log import Log
+from tests.pipeline.exchange.processes import COMMAND, HOIST, gone, started, until
 
 msgpack = pytest.importorskip("msgpack")
 
-CASES = Path(__file__).parents[3] / "cases"
-HOIST = CASES / "hoist"
-COMMAND = python_command("-c", "from heavylift.pipeline.commands.start import main; main()", "serve")
 NAMES = ["load.position.x", "load.position.z", "fall.tension"]
-
-
-def until(condition, seconds: float = 60.0) -> None:
-    """Wait for something that another process does."""
-    end = time.monotonic() + seconds
-    while not condition():
-        assert time.monotonic() < end
-        time.sleep(0.02)
-
-
-def gone(pid: int) -> bool:
-    """Whether a process that this one has not started has ended."""
-    stat = Path(f"/proc/{pid}/stat")
-    return not stat.exists() or stat.read_text(encoding="utf-8").rpartition(")")[2].split()[0] == "Z"
 
 
 def test_a_state_goes_on_in_another_process_with_the_same_bits(tmp_path):
@@ -75,14 +57,6 @@ def long_case(tmp_path):
     rest = '[simulate]\nstep = "1 ms"\noutput_interval = "1000 s"\nduration = "1e6 s"\n'
     (folder / "case.toml").write_text(head + rest, encoding="utf-8")
     return folder
-
-
-def started(case: Path, file: Path, *options: str) -> tuple[subprocess.Popen[bytes], Path]:
-    """A server, once it waits for clients, and the file with its address."""
-    command = [*COMMAND, str(case), "--port", "0", "--token-file", str(file), *options]
-    server = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True)
-    until(lambda: file.exists() or server.poll() is not None)
-    return server, file
 
 
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT, signal.SIGHUP])
