@@ -236,7 +236,7 @@ class Simulation:
     @property
     def inputs(self) -> Mapping[str, InputInfo]:
         """What may be driven from outside, by name."""
-        ports: Any = getattr(self._solver, "inputs", {})
+        ports = self._solver.inputs
         return MappingProxyType(
             {
                 name: InputInfo(
@@ -303,6 +303,16 @@ class Simulation:
     def _parts(self, name: str) -> list[str]:
         return [one for one in self._columns if one.rpartition(".")[0] == name]
 
+    def get(self, outputs: Sequence[str]) -> list[Any]:
+        """Several outputs now, SI: numbers, or arrays of the components of channels.
+
+        Raises
+        ------
+        InputError
+            If there is no such output.
+        """
+        return [self[name] for name in outputs]
+
     def set(self, name: str, value: float, *, rate: float = 0.0, until: float = math.inf) -> None:
         """Drive an input from now on.
 
@@ -328,12 +338,14 @@ class Simulation:
                 key=str(name),
                 expected="values before its end",
             )
-        driven: Any = solver
-        driven.set_input(name, value, rate, until)
+        solver.set_input(name, value, rate, until)
         self.input_log.append(InputChange(solver.time, name, float(value), float(rate), float(until)))
 
     def step(
-        self, dt: float | None = None, inputs: Mapping[str, float | tuple[float, float]] | None = None
+        self,
+        dt: float | None = None,
+        inputs: Mapping[str, float | tuple[float, float]] | None = None,
+        outputs: Sequence[str] = (),
     ) -> None:
         """Advance.
 
@@ -344,6 +356,8 @@ class Simulation:
         inputs
             Values by name; a held one acts from now on, a linear one is reached at the end. Two numbers are a value
             now and its rate until the end.
+        outputs
+            What is read next: of a simulation in another process they come with the same message.
 
         Raises
         ------
@@ -353,6 +367,7 @@ class Simulation:
         SimulationStopped
             If the simulation stops by itself; state and history are those of the last good step.
         """
+        del outputs  # all of them are here
         solver = self._solver
         count = 1 if dt is None else self._count(dt)
         first = solver.step_index
@@ -408,8 +423,7 @@ class Simulation:
     def _drive(self, inputs: Mapping[str, Any], count: int) -> None:
         """Set the inputs of a step; all of them or none."""
         solver, end = self._solver, (self._solver.step_index + count) * self._solver.step
-        ports: Any = getattr(solver, "inputs", {})
-        wanted = []
+        ports, wanted = solver.inputs, []
         for name, value in inputs.items():
             if isinstance(value, (tuple, list)):
                 if len(value) != 2:
@@ -425,8 +439,7 @@ class Simulation:
                 wanted.append((name, now, (value - now) / (count * solver.step), end))
             else:
                 wanted.append((name, value, 0.0, math.inf))
-        driven: Any = solver
-        driven.set_inputs(wanted)
+        solver.set_inputs(wanted)
         self.input_log += [
             InputChange(solver.time, name, float(value), float(rate), float(until))
             for name, value, rate, until in wanted
