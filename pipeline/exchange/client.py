@@ -9,6 +9,7 @@
 from __future__ import annotations
 
 import contextlib
+import math
 import os
 import socket
 import subprocess
@@ -151,7 +152,7 @@ class RemoteSimulation:
         """What may be read."""
         return self._described
 
-    def set(self, name: str, value: float, *, rate: float = 0.0) -> None:
+    def set(self, name: str, value: float, *, rate: float = 0.0, until: float = math.inf) -> None:
         """Drive an input from now on.
 
         Parameters
@@ -160,13 +161,15 @@ class RemoteSimulation:
             Of the input.
         value, rate
             Now, and its change in a second; SI.
+        until
+            Time from which on it is held [s].
 
         Raises
         ------
         InputError
             If there is no such input, or the value is not possible; nothing has changed then.
         """
-        self._changed(self._ask("set", inputs=_plain({name: (value, rate)})))
+        self._changed(self._ask("set", inputs=_plain({name: (value, rate, until)})))
 
     def step(
         self,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
@@ -174,8 +175,8 @@ class Service:
         before, count = simulation.save() if len(inputs) > 1 else None, len(simulation.input_log)
         try:
             for name, given in inputs.items():
-                value, rate = given if type(given) is list else (given, 0.0)
-                simulation.set(name, value, rate=rate)
+                value, rate, until = (*given, math.inf)[:3] if type(given) is list else (given, 0.0, math.inf)
+                simulation.set(name, value, rate=rate, until=until)
         except InputError:
             if before is not None:  # all of them or none
                 simulation.restore(before)
