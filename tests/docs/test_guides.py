@@ -34,6 +34,7 @@ GUIDES = (
     "data_flow.md",
     "glossary.md",
     "inside.md",
+    "interface.md",
     "python.md",
     "transport.md",
 )
