@@ -35,6 +35,7 @@ GUIDES = (
     "glossary.md",
     "inputs.md",
     "inside.md",
+    "interface.md",
     "python.md",
     "transport.md",
 )
