@@ -1,14 +1,13 @@
 """A simulation with FMUs beside it: a simulation like others, whose steps stop at sample times for an exchange.
 
-Everything that advances a simulation advances this one: the simulate stage in pieces of any length, and whoever steps it from
-outside. An exchange belongs to the beginning of the interval that follows; state and outputs of the FMUs are part of the
-state, so that a run goes on from a checkpoint with the same bits.
+Everything that advances a simulation advances this one: the simulate stage in pieces of any length, and whoever steps it
+from outside. An exchange belongs to the beginning of the interval that follows; state and outputs of the FMUs are part of
+the state, so that a run goes on from a checkpoint with the same bits.
 """
 
 from __future__ import annotations
 
 import json
-import math
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -17,7 +16,7 @@ from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.pipeline.case.simulate import multiple
 from heavylift.pipeline.coupling.fmu_file import unit_factor
 from heavylift.pipeline.coupling.fmu_process import FmuError, FmuProcess
-from heavylift.pipeline.coupling.master import Link, Master
+from heavylift.pipeline.coupling.master import Link, Master, System
 from heavylift.pipeline.results.storage import StopError
 from heavylift.solver.simulation import Simulation
 
@@ -47,7 +46,7 @@ class Output(NamedTuple):
 
 
 def output_columns(simulation: Simulation) -> dict[str, Output]:
-    """Numbers of a record by name: ``OWNER.CHANNEL.COMPONENT``, or ``OWNER.CHANNEL`` of a channel that is one number."""
+    """Numbers of a record by name: ``OWNER.CHANNEL.COMPONENT``, or ``OWNER.CHANNEL`` of a channel of one number."""
     found = {}
     for channel in simulation.channels:
         alone = len(channel.components) == 1
@@ -76,7 +75,9 @@ class _Scene:
         Whether a step is made at once, to be taken back perhaps; else it is only prepared.
     """
 
-    def __init__(self, simulation: CoupledSimulation, every: int, columns: Mapping[str, int], *, tries: bool) -> None:
+    def __init__(
+        self, simulation: CoupledSimulation, every: int, columns: Mapping[str, int], *, tries: bool
+    ) -> None:
         self._simulation, self._every, self._columns, self._tries = simulation, every, columns, tries
         self._values: Mapping[str, float] = {}
         self._rates: Mapping[str, float] = {}
@@ -199,7 +200,10 @@ class CoupledSimulation(Simulation):
         except FmuError as error:
             self.close()
             raise InputError(
-                str(error), source=section.name, key="file", expected="an FMU that can be loaded on this machine"
+                str(error),
+                source=section.name,
+                key="file",
+                expected="an FMU that can be loaded on this machine",
             ) from None
         self._groups: list[_Group] = []
         for (every, coupling), names in intervals.items():
@@ -207,8 +211,10 @@ class CoupledSimulation(Simulation):
             read = {link.output: columns[link.output].column for link in between if link.source == SCENE}
             tries = coupling == "iterated"
             system = _Scene(self, every, read, tries=tries)
-            systems = {**{name: self.processes[name] for name in names}, SCENE: system}
-            self._groups.append(_Group(every, Master(systems, between, "iterated" if tries else "sequential"), system))
+            systems: dict[str, System] = {**{name: self.processes[name] for name in names}, SCENE: system}
+            self._groups.append(
+                _Group(every, Master(systems, between, "iterated" if tries else "sequential"), system)
+            )
         self._done = [-1] * len(self._groups)
 
     def _links(self, section: FmuSection, file: FmuFile, columns: Mapping[str, Output]) -> list[Link]:
@@ -220,7 +226,12 @@ class CoupledSimulation(Simulation):
                 inside = [one for one in columns if one.startswith(f"{channel}.")]
                 owner = [one for one in columns if one.startswith(channel.partition(".")[0] + ".")]
                 expected = ", ".join((inside or owner or list(columns))[:20])
-                raise InputError(f"{channel!r} is no number of a record", source=name, key=key, expected=f"one of: {expected}")
+                raise InputError(
+                    f"{channel!r} is no number of a record",
+                    source=name,
+                    key=key,
+                    expected=f"one of: {expected}",
+                )
             factor = self._factor(file, variable, columns[channel].unit, name, key)
             found.append(Link(SCENE, channel, name, variable, factor))
         for variable, entry in section.writes.items():
@@ -244,6 +255,14 @@ class CoupledSimulation(Simulation):
     def iterations(self) -> int:
         """How often intervals were made, if their exchange is iterated."""
         return sum(group.master.iterations for group in self._groups)
+
+    @property
+    def warning(self) -> str:
+        """What the user should know of a run that went well otherwise, and what FMUs warned of."""
+        said = [
+            f"FMU {name!r} said: {process.log[-1]}" for name, process in self.processes.items() if process.log
+        ]
+        return "; ".join(filter(None, [super().warning, *said]))
 
     def close(self) -> None:
         """End the FMUs and their processes."""
@@ -315,7 +334,9 @@ class CoupledSimulation(Simulation):
             for name, process in self.processes.items():
                 links = [link for link in group.master.links if link.target == name]
                 if links or any(link.source == name for link in group.master.links):
-                    process.start({link.input: row[columns[link.output].column] * link.factor for link in links})
+                    process.start(
+                        {link.input: row[columns[link.output].column] * link.factor for link in links}
+                    )
 
     def try_steps(self, count: int) -> tuple[NDArray[np.float64], NDArray[np.float64]] | None:
         """Make steps that are taken back perhaps, whoever wants it to stop; None if it ends before the last of them."""
@@ -339,7 +360,7 @@ class CoupledSimulation(Simulation):
         self.cpu_seconds = spent
 
     def state(self) -> dict[str, NDArray[Any]]:
-        """Everything that a bitwise identical continuation needs, with the states of the FMUs if they can write them."""
+        """Everything that a bitwise identical continuation needs, with the states of FMUs if they can write them."""
         arrays = super().state()
         if self.not_kept:
             return arrays

@@ -81,7 +81,9 @@ class Host:
             self._fmu.instantiate(logMessage=tell)
 
     def _log(self, status: int, message: bytes | None) -> None:
-        """Keep what the FMU says; of more than there is room for the last."""
+        """Keep what the FMU warns of; of more than there is room for the last."""
+        if status == 0:  # what it says all the time
+            return
         label = STATUSES[status] if 0 <= status < len(STATUSES) else str(status)
         text = (message or b"").decode("utf-8", "replace").strip()[:LONGEST_LINE]
         self.lines = [*self.lines[1 - MOST_LINES :], f"{label}: {text}"]
