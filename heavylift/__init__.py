@@ -10,17 +10,32 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from heavylift.numerics.outcome import InputError, Outcome
+    from heavylift.pipeline.exchange.client import ExchangeError, RemoteSimulation, connect, open_child
     from heavylift.pipeline.stepping.simulation import Simulation, SimulationStopped
     from heavylift.pipeline.stepping.state import State
 
-__all__ = ["InputError", "Outcome", "Simulation", "SimulationStopped", "State"]
+__all__ = [
+    "ExchangeError",
+    "InputError",
+    "Outcome",
+    "RemoteSimulation",
+    "Simulation",
+    "SimulationStopped",
+    "State",
+    "connect",
+    "open_child",
+]
 
 _HOMES = {
+    "ExchangeError": "pipeline.exchange.client",
     "InputError": "numerics.outcome",
     "Outcome": "numerics.outcome",
+    "RemoteSimulation": "pipeline.exchange.client",
     "Simulation": "pipeline.stepping.simulation",
     "SimulationStopped": "pipeline.stepping.simulation",
     "State": "pipeline.stepping.state",
+    "connect": "pipeline.exchange.client",
+    "open_child": "pipeline.exchange.client",
 }
 
 

@@ -247,6 +247,16 @@ class Simulation:
         """Simulated time [s]."""
         return self.step_index * self.step
 
+    @property
+    def scene(self) -> Scene:
+        """What is simulated."""
+        return self._scene
+
+    @property
+    def layout(self) -> Layout:
+        """The packed scene, in its present state."""
+        return self._layout
+
     def missing_units(self) -> list[Unit]:
         """What has to be compiled for this scene because it is not on disk: kinds that nobody has used yet."""
         layout = self._layout

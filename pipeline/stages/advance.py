@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
     from heavylift.pipeline.stages.operator_commands import OperatorCommands
 
-__all__ = ["Advancer", "StopRequest", "stop_requests"]
+__all__ = ["FIRST_PIECE", "Advancer", "StopRequest", "next_piece", "stop_requests"]
 
 PIECE_SECONDS = 0.2
 """Wall time of one call of the compiled loop, which nothing can interrupt."""
@@ -206,7 +206,7 @@ class Advancer:
                 last = min(last, self.commands.take(at, at * simulation.step) or last)
             self.keep(*simulation.advance(min(piece, last - simulation.step_index)))
             now = time.monotonic()
-            piece = _next_piece(piece, now - begin, growth)
+            piece = next_piece(piece, now - begin, growth)
             if now - flushed > wait or sum(r.nbytes for r in self._records) > SEGMENT_BYTES:
                 self.write()
                 flushed = time.monotonic()
@@ -267,6 +267,6 @@ class Advancer:
         self._records.clear()
 
 
-def _next_piece(piece: int, seconds: float, growth: float = 4.0) -> int:
+def next_piece(piece: int, seconds: float, growth: float = 4.0) -> int:
     """Steps of the next piece, so that it takes about `PIECE_SECONDS`; at most `growth` times as many."""
     return max(1, int(piece * min(growth, PIECE_SECONDS / max(seconds, 1e-6))))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import shutil
 import tempfile
+import time as clock
 import weakref
 from bisect import bisect_right
 from difflib import get_close_matches
@@ -19,6 +20,7 @@ from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.pipeline.case.places import in_case
 from heavylift.pipeline.log import Log
 from heavylift.pipeline.results.storage import OutputFolder, StopError
+from heavylift.pipeline.stages.advance import FIRST_PIECE, next_piece
 from heavylift.pipeline.stages.prepared import compile_parts, new_simulation, prepare_run
 from heavylift.pipeline.stages.stages import load_changed_case, make_parts
 from heavylift.pipeline.stepping.state import State
@@ -126,6 +128,8 @@ class Simulation:
         All outputs now, SI, in the order of the columns of a record.
     input_log
         Changes of inputs since the start, for `replay`.
+    stop_asked
+        Asked several times a second while it steps: whether to stop there, as a signal may want.
 
     Raises
     ------
@@ -175,6 +179,7 @@ class Simulation:
         self._told = 0
         self._history: list[tuple[int, NDArray[np.float64], NDArray[np.float64]]] = []
         self.input_log: list[InputChange] = []
+        self.stop_asked: Callable[[], object] = bool
         self.row: NDArray[np.float64] = solver.record()
 
     @property
@@ -361,15 +366,26 @@ class Simulation:
             )
         if inputs:
             self._drive(inputs, count)
-        times, rows = solver.advance(count)
-        index = solver.step_index
-        if len(rows):
-            self._history.append((index, times, rows))
+        solver.stop_asked = self.stop_asked
+        piece, last = 1 if solver.tolerance > 0.0 else FIRST_PIECE, first + count
+        while True:
+            begin = clock.monotonic()
+            times, rows = solver.advance(min(piece, last - solver.step_index))
+            index = solver.step_index
+            if len(rows):
+                self._history.append((index, times, rows))
+            if index >= last or solver.ended or solver.outcome is not Outcome.COMPLETED or self.stop_asked():
+                break
+            piece = next_piece(piece, clock.monotonic() - begin)
         self.row = rows[-1] if len(rows) and index % solver.record_every == 0 else solver.record()
         if self._callbacks:
             self._tell()
         if solver.outcome is not Outcome.COMPLETED:
             raise SimulationStopped(solver.outcome, solver.message)
+        if index < last and not solver.ended:
+            raise SimulationStopped(
+                Outcome.INTERRUPTED, f"interrupted at t = {self.time:.9g} s, within a step"
+            )
 
     def _count(self, dt: float) -> int:
         """Steps in a time."""

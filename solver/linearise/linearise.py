@@ -1,0 +1,408 @@
+"""A scene linearised about its present state.
+
+States are independent displacements z, along the exponential map from the state, and independent velocities w, both
+coordinates of bodies (`coordinates`). With the accelerations a(q, U) of the constrained scene (`rates`)::
+
+    z' = w - w0 x z  (of bodies that turn at w0, in their axes; else w),    w' = a(q(z), U(z, w))
+
+Derivatives are central differences: bodies are displaced, joints closed again, velocities made to fit; ropes and
+springs take their elongation from the geometry. Rates of their energy, and so geometric stiffness by the forces of
+joints and ropes, are in them as the step has them.
+"""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from heavylift.numerics.arrays import Arrays
+from heavylift.numerics.outcome import InputError
+from heavylift.numerics.records import Record
+from heavylift.numerics.rotation import rotation_matrix
+from heavylift.numerics.threads import one_blas_thread
+from heavylift.numerics.words import nearest
+from heavylift.solver.integrate.loop import write_record
+from heavylift.solver.kinds import Table
+from heavylift.solver.linearise.coordinates import Independent
+from heavylift.solver.linearise.modes import find_modes
+from heavylift.solver.linearise.rates import find_middle
+from heavylift.solver.linearise.result import BodyShape, Linearisation
+from heavylift.solver.linearise.served import check_served
+from heavylift.solver.start.rows import StartRows, quoted
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from heavylift.solver.simulation import Simulation
+
+__all__ = ["linearise"]
+
+STEP, STEP_MOVING = 1e-7, 1e-5
+"""Of the accelerations [s], with a half and a quarter of it; longer about a state that moves, where rounding of the
+velocities counts."""
+
+DIFFERENCE, DIFFERENCE_MOVING = 1e-6, 1e-4
+"""Displacement of the difference quotients, relative to the size of the scene, or in radians; of both sorts of
+states."""
+
+MOVES = 1e-5
+"""Velocity [m/s, rad/s] from which on a state moves."""
+
+VELOCITY = 100.0
+"""Velocity of the difference quotients over their displacement [1/s], about a state at rest."""
+
+HOLD = 1e-4
+"""Part of the softness of rigid rows in a step that is left here."""
+
+BALANCED = 1e-5
+"""Acceleration relative to gravity that a state in balance may have left."""
+
+SLOWEST = 1e-4
+"""Rate of an eigenvalue that is zero, relative to that of a pendulum as long as the scene."""
+
+NOISE = 1e-10
+"""Of a second difference of accelerations, by rounding: relative to those that act, and to the largest first one."""
+
+ROUNDING = 1e-14
+"""Of a velocity, in differences of several of them."""
+
+ONE_SIDED = 1e-2
+"""Second difference of the rates, relative to their first one, beyond which the rates have a corner at the state."""
+
+
+@one_blas_thread
+def linearise(
+    simulation: Simulation, inputs: Sequence[str] | None = None, outputs: Sequence[str] | None = None
+) -> Linearisation:
+    """Linearise a scene about the present state of a run, which stays as it is, bit for bit.
+
+    Parameters
+    ----------
+    simulation
+        The run.
+    inputs
+        Names of inputs; all if None.
+    outputs
+        Names of outputs, ``OWNER.CHANNEL`` of all components or ``OWNER.CHANNEL.COMPONENT``; none if None.
+
+    Returns
+    -------
+    Linearisation
+        Matrices and modes.
+
+    Raises
+    ------
+    InputError
+        If something of the scene has no linear motion, or a name is unknown.
+
+    Examples
+    --------
+    A mass on a spring swings at ``sqrt(k/m) / 2 pi``::
+
+        simulation = Simulation(scene, 0.01)
+        print(linearise(simulation).table())
+    """
+    check_served(simulation)
+    columns = _output_columns(simulation, outputs)
+    simulation.warm_up()
+    kept = _Kept(simulation.layout)
+    try:
+        return _Probe(simulation).linearise(columns)
+    finally:
+        kept.put_back()
+
+
+class _Kept:
+    """All arrays of a layout, to be put back."""
+
+    def __init__(self, layout: Any) -> None:
+        groups = (*layout.bodies, *layout.forces, *layout.joints, *layout.systems, layout.work)
+        self._arrays = list({id(array): array for group in groups for array in _arrays(group)}.values())
+        self._content = [array.copy() for array in self._arrays]
+
+    def put_back(self) -> None:
+        """As they were."""
+        for array, content in zip(self._arrays, self._content, strict=True):
+            array[...] = content
+
+
+def _arrays(group: Any) -> Iterator[NDArray[Any]]:
+    """All arrays of a group, and of the groups in it."""
+    for value in group:
+        if isinstance(value, Record):
+            yield value.words
+        elif isinstance(value, np.ndarray):
+            yield value
+        elif isinstance(value, Arrays | Table):
+            yield from _arrays(value)
+
+
+class _Columns:
+    """Columns of a record that are outputs."""
+
+    def __init__(self, names: tuple[str, ...], units: tuple[str, ...], places: NDArray[np.int64]) -> None:
+        self.names, self.units, self.places = names, units, places
+
+
+def _output_columns(simulation: Simulation, names: Sequence[str] | None) -> _Columns:
+    """Of outputs by name.
+
+    Raises
+    ------
+    InputError
+        If a name is unknown.
+    """
+    every: dict[str, tuple[str, int]] = {}
+    whole: dict[str, list[str]] = {}
+    for channel in simulation.channels:
+        for k, component in enumerate(channel.components):
+            name = f"{channel.name}.{component}" if component else channel.name
+            every[name] = channel.unit, channel.column + k
+            whole.setdefault(channel.name, []).append(name)
+    chosen: list[str] = []
+    for name in names or ():
+        if name not in every and name not in whole:
+            near = nearest(name, (*every, *whole))
+            raise InputError(
+                f"no output {name!r}",
+                source="linearisation",
+                key="outputs",
+                expected=f"{near!r}" if near else "OWNER.CHANNEL or OWNER.CHANNEL.COMPONENT",
+            )
+        chosen += [name] if name in every else whole[name]
+    return _Columns(
+        tuple(chosen),
+        tuple(every[name][0] for name in chosen),
+        np.array([every[name][1] for name in chosen], dtype=np.int64),
+    )
+
+
+class _Probe:
+    """Finds the rates of the states of a scene beside the present one."""
+
+    def __init__(self, simulation: Simulation) -> None:
+        self._layout = layout = simulation.layout
+        self._time = simulation.time
+        self._gravity = float(np.linalg.norm(simulation.scene.gravity))
+        self._channels = simulation.channels
+        tables = layout.bodies, layout.forces, layout.joints, layout.systems, layout.work
+        self._middle, self._record = find_middle.with_first(*tables), write_record.with_first(*tables)
+        self._row = np.zeros(simulation.column_count)
+        for array in (array for kind in layout.joints for array in _arrays(kind)):
+            if array.dtype.names and "fresh" in array.dtype.names:  # elongations are those of the geometry
+                array["fresh"] = 1
+        self._rows = rows = StartRows(layout, self._time)
+        self._system = next((one for one in layout.systems if "monitor" in one._fields), None)
+        if self._system is not None:
+            self._system.rows["hold"][self._system.rows["rigid"] > 0.0] *= HOLD
+        self._places, _, self._velocity = rows.survey()
+        moves = bool(np.abs(self._velocity).max(initial=0.0) > MOVES)
+        self._step = STEP_MOVING if moves else STEP
+        self._difference = DIFFERENCE_MOVING if moves else DIFFERENCE
+        self._size = self._extent()
+        self._free = Independent(rows, self._turning(), self._size)
+        self._free.close()
+        self._kept = _Kept(layout)
+        self._w = self._velocity[self._free.chosen]
+
+    def _extent(self) -> float:
+        """Size of the scene [m]."""
+        reach = max((float(kind.lengths()[1].max(initial=0.0)) for kind in self._layout.bodies), default=0.0)
+        extent = float(np.ptp(self._places[:, 1:4], axis=0).max(initial=0.0)) + 2.0 * reach
+        return extent if extent > 0.0 else 1.0
+
+    def _turning(self) -> NDArray[np.bool_]:
+        """Velocities of frames that spin."""
+        found = np.zeros(len(self._velocity), dtype=np.bool_)
+        for first in self._rows.frame_starts:
+            found[first + 3 : first + 6] = bool(np.any(np.abs(self._velocity[first + 3 : first + 6]) > MOVES))
+        return found
+
+    def _mean(self, values: NDArray[np.float64]) -> float:
+        """Root of the mean square over the masses, of velocities or accelerations of all bodies."""
+        rows = self._rows
+        firsts = self._places[:, 0].astype(np.int64)
+        mass = float(rows.inertia[firsts[np.isin(firsts, rows.free)]].sum())
+        return math.sqrt(float(np.sum(rows.inertia * values * values)) / mass) if mass > 0.0 else 0.0
+
+    def _acceleration(self) -> NDArray[np.float64]:
+        """Of all velocities at the present state; reactions of the rows are those of it."""
+        before = self._rows.survey()[2]
+        found = []
+        for step in (self._step, 0.5 * self._step, 0.25 * self._step):
+            self._middle(self._time, step)
+            found.append((self._layout.work.velocity - before) * (2.0 / step))
+        if self._system is not None:
+            self._system.rows["reaction"] = self._system.rows["impulse"] * (2.0 / step)
+        return (8.0 * found[2] - 6.0 * found[1] + found[0]) / 3.0
+
+    def _at(self, z: NDArray[np.float64], w: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Rates of the states at displacements and velocities, and the record there, one behind the other."""
+        self._kept.put_back()
+        rows, free = self._rows, self._free
+        increment = free.N @ z
+        if z.any():
+            rows.move(increment)
+            rows.start()
+            free.close()
+        free.put_velocity(self._w + w)
+        speed = rows.survey()[2] - self._velocity
+        for first in rows.frame_starts:  # in axes that turn
+            spin = self._velocity[first + 3 : first + 6]
+            speed[first + 3 : first + 6] -= np.cross(spin, increment[first + 3 : first + 6])
+        self._all = self._acceleration()
+        self._record(self._time, self._row)
+        return np.concatenate([speed[free.chosen], self._all[free.chosen], self._row])
+
+    def linearise(self, columns: _Columns) -> Linearisation:
+        """Differences by all states."""
+        n = len(self._free.chosen)
+        steps = self._steps()
+        rates = DIFFERENCE / self._difference * VELOCITY * np.maximum(1.0, np.abs(self._w))
+        scale = np.concatenate([steps, rates * steps])
+        base = self._at(np.zeros(n), np.zeros(n))
+        residual = self._mean(self._all)
+        M = np.zeros((len(base), 2 * n))
+        differences = []
+        for k in range(2 * n):
+            x = np.zeros(2 * n)
+            x[k] = scale[k]
+            ahead, behind = self._at(x[:n], x[n:]), self._at(-x[:n], -x[n:])
+            M[:, k] = (ahead - behind) / (2.0 * scale[k])
+            differences.append(tuple(
+                float(np.abs(part[n : 2 * n] / steps).max())
+                for part in (ahead + behind - 2.0 * base, ahead - behind)
+            ))  # fmt: skip
+        A, C = M[: 2 * n], M[2 * n :]
+        states, units = self._names()
+        rate = math.sqrt(self._gravity / self._size) if self._gravity > 0.0 else 1.0
+        sizes = np.concatenate([steps, rate * steps]) / self._difference
+        values, vectors, zeros = find_modes(A, sizes, max(SLOWEST * rate, self._noise()))
+        warnings = self._warnings(
+            residual, [states[k] for k in self._corners(differences, float(steps.min(initial=1.0)))]
+        )
+        vectors = self._normalised(C[:, :n], vectors)
+        shapes, participation = self._shapes(C[:, :n], vectors[:n])
+        return Linearisation(
+            time=self._time,
+            A=A,
+            B=np.zeros((2 * n, 0)),
+            C=C[columns.places],
+            D=np.zeros((len(columns.places), 0)),
+            states=states,
+            state_units=units,
+            inputs=(),
+            input_units=(),
+            outputs=columns.names,
+            output_units=columns.units,
+            eigenvalues=values,
+            vectors=vectors,
+            zeros=zeros,
+            shapes=shapes,
+            participation=participation,
+            residual=residual,
+            speed=self._mean(self._velocity),
+            warnings=warnings,
+        )
+
+    def _noise(self) -> float:
+        """Rate [1/s] that rounding of velocities makes of an eigenvalue that is zero twice."""
+        fastest = float(np.abs(self._velocity).max(initial=0.0))
+        return math.sqrt(ROUNDING * fastest / (self._step * self._difference * self._size))
+
+    def _corners(self, differences: list[tuple[float, ...]], smallest: float) -> list[int]:
+        """States with which rates change otherwise forwards than backwards, from second and first differences."""
+        largest = max((first for _, first in differences), default=0.0)
+        noise = NOISE * (self._gravity / smallest + largest)
+        return [k for k, (second, first) in enumerate(differences) if second > ONE_SIDED * first + noise]
+
+    def _warnings(self, residual: float, bent: list[str]) -> tuple[str, ...]:
+        """What limits the use of the result."""
+        found = []
+        if residual > BALANCED * max(self._gravity, 1e-3):
+            found.append(
+                f"the state is not in balance: bodies accelerate by {residual:.3g} m/s2 in the mean over the"
+                " masses, and deviations from the motion that follows are described, not from rest"
+            )
+        elif (speed := self._mean(self._velocity)) > MOVES:
+            found.append(
+                f"the state moves at {speed:.3g} m/s in the mean over the masses: the matrices are those of this"
+                " instant"
+            )
+        if bent:
+            found.append(
+                f"forces change otherwise forwards than backwards with {quoted(bent)}, as of a rope that is just"
+                " slack or a stop that is just touched: the mean of both sides is taken"
+            )
+        return tuple(found)
+
+    def _normalised(self, C: NDArray[np.float64], vectors: NDArray[np.complex128]) -> NDArray[np.complex128]:
+        """Eigenvectors with a largest displacement or rotation of a body of 1 m or 1 rad, and real there."""
+        shapes, _ = self._shapes(C, vectors[: C.shape[1]])
+        every = [part.T for shape in shapes.values() for part in (shape.displacement, shape.rotation)]
+        if not every or not vectors.shape[1]:
+            return vectors
+        parts = np.vstack(every)
+        largest = parts[np.abs(parts).argmax(axis=0), np.arange(parts.shape[1])]
+        return np.asarray(vectors / np.where(np.abs(largest) > 0.0, largest, 1.0))
+
+    def _shapes(
+        self, C: NDArray[np.float64], z: NDArray[np.complex128]
+    ) -> tuple[dict[str, BodyShape], dict[str, NDArray[np.float64]]]:
+        """Displacements of bodies in the modes, and their parts of the kinetic energy."""
+        rows = self._rows
+        U = self._free.N @ z
+        energy = rows.inertia[:, None] * np.abs(U) ** 2
+        total = energy.sum(axis=0)
+        total[total == 0.0] = 1.0
+        energy /= total
+        positions = {
+            channel.name.removesuffix(".position"): slice(channel.column, channel.column + 3)
+            for channel in self._channels
+            if channel.name.endswith(".position")
+        }
+        widths = np.bincount(rows.owner, minlength=len(self._places))
+        shapes, participation = {}, {}
+        for number, name in enumerate(self._layout.body_names):
+            first = int(self._places[number, 0])
+            R = rotation_matrix(self._places[number, 4:8])
+            shapes[name] = BodyShape((C[positions[name]] @ z).T, (R @ U[first + 3 : first + 6]).T)
+            ends = np.array([first, first + 3, first + 6, first + widths[number]])
+            parts = np.array([energy[i:j].sum(axis=0) for i, j in pairwise(ends)]).T
+            participation[name] = parts
+        return shapes, participation
+
+    def _steps(self) -> NDArray[np.float64]:
+        """Displacement of the difference quotients by state."""
+        rows, chosen = self._rows, self._free.chosen
+        within = chosen - rows.owner_starts[np.searchsorted(rows.owner_starts, chosen, side="right") - 1]
+        steps = np.where(within < 3, self._size, 1.0)
+        modal = within >= 6
+        if modal.any():
+            steps[modal] = self._size * math.sqrt(float(rows.inertia.max()))
+        return self._difference * steps
+
+    def _names(self) -> tuple[tuple[str, ...], tuple[str, ...]]:
+        """Of the states, and their units."""
+        rows, starts = self._rows, self._rows.owner_starts
+        places, speeds, units, rates = [], [], [], []
+        for column in self._free.chosen.tolist():
+            k = column - int(starts[np.searchsorted(starts, column, side="right") - 1])
+            body = self._layout.body_names[rows.owner[column]]
+            if k < 6:
+                what, speed = (("", "velocity."), ("rotation.", "angular_velocity."))[k // 3]
+                axis = "xyz123"[k]
+                places.append(f"{body}.{what}{axis}")
+                speeds.append(f"{body}.{speed}{axis}")
+                units.append("m" if k < 3 else "rad")
+                rates.append("m/s" if k < 3 else "rad/s")
+            else:
+                places.append(f"{body}.modal_position.{k - 5}")
+                speeds.append(f"{body}.modal_velocity.{k - 5}")
+                units.append("kg^(1/2) m")
+                rates.append("kg^(1/2) m/s")
+        return (*places, *speeds), (*units, *rates)

@@ -1,0 +1,57 @@
+"""What a linearisation can serve: scenes whose forces change smoothly with positions and velocities."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from heavylift.numerics.outcome import InputError
+from heavylift.solver.scene.connections import controlled, rubbing_places
+from heavylift.solver.scene.scene import Scene
+from heavylift.solver.scene.sliding_joints import joint_friction
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from heavylift.solver.simulation import Simulation
+
+__all__ = ["check_served"]
+
+
+def check_served(simulation: Simulation) -> None:
+    """Refuse what has no linear motion about a state.
+
+    Raises
+    ------
+    InputError
+        Names all of it.
+    """
+    reasons = list(_reasons(simulation.scene))
+    if simulation.integrator == "thesis":
+        reasons.append("integrator 'thesis' has no accelerations")
+    if reasons:
+        raise InputError(
+            "; ".join(reasons),
+            source="linearisation",
+            key="scene",
+            expected="a scene without these, whose forces change smoothly with positions and velocities",
+        )
+
+
+def _reasons(scene: Scene) -> Iterator[str]:
+    """What cannot be served, in words."""
+    if scene.touches:
+        first: Any = (*scene.contacts, *scene.collisions)[0]
+        yield f"contact {first.name!r} opens and closes"
+    if scene.transporters:
+        yield f"transporter {scene.transporters[0].name!r} rides on bogies without mass"
+    for body in scene.bodies:
+        if not hasattr(body, "mode_count") or type(body).__name__ in ("Frame", "Shell"):
+            yield f"{body.name!r} is {type(body).__name__}"
+    for rope in scene.ropes:
+        if rubbing_places(rope):
+            yield f"rope {rope.name!r} sticks and slides on its sheaves"
+        elif controlled(rope):
+            yield f"the winch of rope {rope.name!r} is controlled by its tension"
+    for joint in scene.joints:
+        if any(joint_friction(joint)):
+            yield f"joint {joint.name!r} has dry friction, which sticks at rest"

@@ -1,0 +1,257 @@
+"""Modes of scenes about a state, against closed forms."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.linalg import eigh
+from start_scenes import joint, linkage, parallelograms
+
+from heavylift.numerics.outcome import InputError
+from heavylift.solver.force_elements.wire_rope import Rope
+from heavylift.solver.forces.spring import Spring
+from heavylift.solver.joints.ball import Ball
+from heavylift.solver.linearise.linearise import linearise
+from heavylift.solver.linearise.result import Linearisation
+from heavylift.solver.scene.connections import GROUND, RopePoint
+from heavylift.solver.scene.scene import Gravity, RigidBody, Scene
+from heavylift.solver.simulation import Simulation
+
+G = 9.81
+DOWN = Gravity(np.array([0.0, 0.0, -G]))
+EA = 5e7
+MASS, INERTIA = 1e4, np.array([2e4, 5e4, 6e4])
+
+
+def of(scene: Scene, **more: Any) -> Linearisation:
+    return linearise(Simulation(scene, 0.01, **more))
+
+
+def rope(name: str, start: Any, body: str, point: Any, tension: float, above: str = GROUND) -> Rope:
+    """A rope with a tension at the start; points of bodies in their own axes."""
+    path = (RopePoint(above, np.array(start, dtype=float)), RopePoint(body, np.array(point, dtype=float)))
+    return Rope(name=name, path=path, axial_stiffness=EA, tension=tension)
+
+
+def slung(lugs: Sequence[Any], hooks: Sequence[Any], tensions: Sequence[float]) -> Scene:
+    """A load at the origin, its lugs hanging on ropes from points in the world."""
+    load = RigidBody("load", MASS, np.diag(INERTIA))
+    ropes = [
+        rope(f"s{i}", hook, "load", lug, T)
+        for i, (lug, hook, T) in enumerate(zip(lugs, hooks, tensions, strict=True))
+    ]
+    return Scene((load,), (DOWN,), (), (), tuple(ropes))
+
+
+def slung_frequencies(lugs: Sequence[Any], hooks: Sequence[Any], tensions: Sequence[float]) -> np.ndarray:
+    """Of small motions [Hz], from the second variation of the energy.
+
+    A rope of tension T, length s and stiffness k along n gives a displacement of its lug ``k n n^T + T/s (1 - n
+    n^T)``; its force f at r resists a turn t by ``(f . r) t^2 - (f . t)(r . t)`` more.
+    """
+    K = np.zeros((6, 6))
+    for lug, hook, T in zip(lugs, hooks, tensions, strict=True):
+        r, way = np.array(lug, dtype=float), np.array(hook, dtype=float) - np.array(lug, dtype=float)
+        s = np.linalg.norm(way)
+        n = way / s
+        rest = s / (1.0 + T / EA)
+        k = EA / rest * np.outer(n, n) + T / s * (np.eye(3) - np.outer(n, n))
+        J = np.hstack([np.eye(3), -np.array([[0, -r[2], r[1]], [r[2], 0, -r[0]], [-r[1], r[0], 0]])])
+        K += J.T @ k @ J
+        f = T * n
+        K[3:, 3:] += (f @ r) * np.eye(3) - 0.5 * (np.outer(f, r) + np.outer(r, f))
+    squares = eigh(K, np.diag([MASS, MASS, MASS, *INERTIA]), eigvals_only=True)
+    return np.sqrt(np.maximum(squares, 0.0)) / (2.0 * np.pi)
+
+
+def test_load_on_a_single_rope() -> None:
+    """Swing and nod in two planes, bounce; nothing holds its yaw."""
+    d, s = 1.5, 20.0
+    lugs, hooks = [(0, 0, d)], [(0, 0, d + s)]
+    found = of(slung(lugs, hooks, [MASS * G]))
+    assert found.zeros == 2
+    assert found.frequencies[0] == 0.0
+    assert found.frequencies[1:] == pytest.approx(slung_frequencies(lugs, hooks, [MASS * G])[1:], rel=1e-8)
+    swing = [0, 0]
+    for plane, I in enumerate((INERTIA[1], INERTIA[0])):
+        # (g/s)(x - d t) = w2 x,  m g d t + m g d/s (d t - x) = w2 I t
+        a, b, c = I / MASS * s / G, -(I / MASS + d * d + d * s), d * G
+        swing[plane] = np.sqrt((-b - np.sqrt(b * b - 4 * a * c)) / (2 * a)) / (2 * np.pi)
+    assert found.frequencies[1:3] == pytest.approx(sorted(swing), rel=1e-8)
+    assert found.frequencies[-1] == pytest.approx(
+        np.sqrt(EA * (1.0 + MASS * G / EA) / s / MASS) / (2 * np.pi), rel=1e-9
+    )
+    assert np.abs(found.damping).max() < 1e-7
+    assert found.residual < 1e-9
+    assert found.warnings == ()
+
+
+def test_two_point_sling() -> None:
+    """Vertical ropes: the yaw has ``w2 = m g a2 / (I s)``."""
+    a, d, s = 4.0, 1.0, 12.0
+    lugs = [(a, 0, d), (-a, 0, d)]
+    hooks = [(a, 0, d + s), (-a, 0, d + s)]
+    found = of(slung(lugs, hooks, [0.5 * MASS * G] * 2))
+    assert found.frequencies == pytest.approx(slung_frequencies(lugs, hooks, [0.5 * MASS * G] * 2), rel=1e-7)
+    yaw = np.abs(found.shapes["load"].rotation[:, 2]).argmax()
+    expected = np.sqrt(MASS * G * a * a / (INERTIA[2] * s)) / (2 * np.pi)
+    assert found.frequencies[yaw] == pytest.approx(expected, rel=1e-8)
+    assert np.abs(found.shapes["load"].rotation[yaw]) == pytest.approx([0, 0, 1], abs=1e-6)
+
+
+def test_trifilar_pendulum_and_inclined_slings() -> None:
+    """Yaw on three ropes, ``w2 = m g r2 / (I s)``; four inclined slings against the second variation."""
+    r, s = 3.0, 9.0
+    corners = [(r * np.cos(t), r * np.sin(t)) for t in np.radians([90, 210, 330])]
+    lugs, hooks = [(x, y, 0.5) for x, y in corners], [(x, y, 0.5 + s) for x, y in corners]
+    found = of(slung(lugs, hooks, [MASS * G / 3] * 3))
+    yaw = np.abs(found.shapes["load"].rotation[:, 2]).argmax()
+    expected = np.sqrt(MASS * G * r * r / (INERTIA[2] * s)) / (2 * np.pi)
+    assert found.frequencies[yaw] == pytest.approx(expected, rel=1e-8)
+    lugs = [(5.0 * a, 3.0 * b, 1.0) for a in (1, -1) for b in (1, -1)]
+    hooks = [(1.0 * a, 0.5 * b, 9.0) for a in (1, -1) for b in (1, -1)]
+    way = np.array(hooks[0]) - lugs[0]
+    T = MASS * G / 4 * np.linalg.norm(way) / way[2]
+    found = of(slung(lugs, hooks, [T] * 4))
+    assert found.frequencies == pytest.approx(slung_frequencies(lugs, hooks, [T] * 4), rel=1e-7)
+
+
+def test_hook_block_and_load_are_a_double_pendulum() -> None:
+    """Masses on two ropes through their centres; frequencies come in pairs, their shapes span both planes."""
+    m1, m2, s1, s2 = 2e3, 8e3, 15.0, 6.0
+    hook = RigidBody("hook", m1, 10.0 * np.eye(3), position=np.array([0, 0, s2]))
+    load = RigidBody("load", m2, np.diag(INERTIA))
+    ropes = (
+        rope("hoist", (0, 0, s1 + s2), "hook", (0, 0, 0), (m1 + m2) * G),
+        rope("sling", (0, 0, 0), "load", (0, 0, 0), m2 * G, above="hook"),
+    )
+    found = of(Scene((hook, load), (DOWN,), (), (), ropes))
+    t1, t2 = (m1 + m2) * G / s1, m2 * G / s2
+    squares = eigh(np.array([[t1 + t2, -t2], [-t2, t2]]), np.diag([m1, m2]), eigvals_only=True)
+    first = np.sqrt(squares) / (2 * np.pi)
+    assert found.zeros == 12  # nothing holds the rotations
+    assert found.frequencies[:6] == pytest.approx(np.zeros(6), abs=0.0)
+    assert found.frequencies[6:8] == pytest.approx([first[0]] * 2, rel=1e-8)
+    assert found.frequencies[8:10] == pytest.approx([first[1]] * 2, rel=1e-8)
+    sway = found.shapes["load"].displacement[6:8, :2]
+    assert abs(np.linalg.det(sway / np.linalg.norm(sway, axis=1)[:, None])) > 0.1
+
+
+def test_hinged_rod_hanging_and_upside_down() -> None:
+    """``w2 = 3 g / (2 L)``; upside down it falls as ``exp(w t)``."""
+    for up, other in ((-1.0, False), (1.0, True)):
+        found = of(linkage([(0, 0, 0), (0, up, 0)], closed=False), start="check")
+        assert len(found.states) == 2
+        rate = np.sqrt(1.5 * G)
+        if other:
+            assert sorted(found.eigenvalues.real) == pytest.approx([-rate, rate], rel=1e-8)
+            assert list(found.unstable) == [int(found.eigenvalues.real.argmax())]
+        else:
+            assert found.eigenvalues == pytest.approx([1j * rate], rel=1e-8)
+            assert not found.unstable.size
+
+
+def test_redundant_loops() -> None:
+    """Coupled parallelograms upright: four cranks of m L2/3 turn, three bars of m go along."""
+    found = of(parallelograms(3))
+    assert len(found.states) == 2
+    rate = np.sqrt((4 * 0.5 + 3) * G / (4 / 3 + 3))
+    assert sorted(found.eigenvalues.real) == pytest.approx([-rate, rate], rel=1e-7)
+
+
+def test_damper() -> None:
+    """A mass on a spring with a damper, and one on a damper alone; nothing holds the rest."""
+    m, k, c = 50.0, 2000.0, 120.0
+    point = np.zeros(3)
+    for stiffness in (k, 0.0):
+        body = RigidBody("mass", m, np.eye(3), position=np.array([0.0, 0.0, 2.0]))
+        spring = Spring(
+            name="spring", body_a=GROUND, point_a=point, body_b="mass", point_b=point, length=2.0,
+            stiffness=stiffness, damping=c,
+        )  # fmt: skip
+        found = of(Scene((body,), (spring,)))
+        if stiffness:
+            expected = -c / (2 * m) + 1j * np.sqrt(k / m - (c / (2 * m)) ** 2)
+            assert found.zeros == 10
+            assert found.eigenvalues[-1] == pytest.approx(expected, rel=1e-8)
+            assert found.damping[-1] == pytest.approx(c / (2 * np.sqrt(k * m)), rel=1e-8)
+        else:
+            assert found.zeros == 11
+            assert found.eigenvalues[-1] == pytest.approx(-c / m, rel=1e-8)
+        assert np.all(found.eigenvalues[:-1] == 0.0)
+
+
+@pytest.mark.parametrize("spin", [20.0, 5.0])
+def test_sleeping_top(spin: float) -> None:
+    """``A s2 - i C w s - m g l = 0`` of the tilt: stable if it spins fast."""
+    m, l, A, C = 2.0, 0.3, 0.03, 0.02
+    body = RigidBody(
+        "top", m, np.diag([A, A, C]), position=np.array([0, 0, l]), angular_velocity=np.array([0, 0, spin])
+    )
+    scene = Scene((body,), (DOWN,), (), (joint(Ball, "tip", None, body, (0, 0, 0)),))
+    found = of(scene)
+    about = A + m * l * l
+    roots = np.roots([about, -1j * C * spin, -m * G * l])
+    roots = np.where(roots.imag < 0.0, roots.conj(), roots)
+    assert found.states[:3] == (
+        "top.x",
+        "top.y",
+        "top.rotation.1",
+    )  # its own axes turn, those of the world do not
+    tilt = found.eigenvalues[found.eigenvalues != 0.0]
+    assert np.sort_complex(tilt) == pytest.approx(np.sort_complex(roots), rel=1e-6)
+    assert found.unstable.size == (0 if (C * spin) ** 2 > 4.0 * about * m * G * l else 1)
+    assert "moves" in found.warnings[0]
+
+
+def test_free_symmetric_body_spins() -> None:
+    """In its own axes the spin of a free body goes round at ``(C - A) w / A``."""
+    A, C, spin = 3.0, 5.0, 2.0
+    body = RigidBody("disc", 10.0, np.diag([A, A, C]), angular_velocity=np.array([0, 0, spin]))
+    found = of(Scene((body,)))
+    assert found.zeros == 8
+    assert found.eigenvalues[4:] == pytest.approx([1j * (C - A) / A * spin, 1j * spin], rel=1e-8)
+
+
+def test_a_run_goes_on_as_if_nothing_had_been_asked() -> None:
+    """Bit for bit; and the state of a moving scene is said to move."""
+    lugs, hooks = [(1, 0, 1.0), (-1, 0, 1.0)], [(1, 0, 8.0), (-1, 0, 8.0)]
+    scene = slung(lugs, hooks, [0.4 * MASS * G, 0.6 * MASS * G])
+    one, other = Simulation(scene, 0.01), Simulation(scene, 0.01)
+    one.advance(50)
+    other.advance(50)
+    found = linearise(one)
+    assert found.time == pytest.approx(0.5)
+    assert "not in balance" in found.warnings[0]
+    before, after = one.state(), other.state()
+    assert before.keys() == after.keys()
+    assert all(before[name].tobytes() == after[name].tobytes() for name in before if name != "cpu_seconds")
+    assert one.advance(50)[1].tobytes() == other.advance(50)[1].tobytes()
+
+
+def test_corner_of_a_rope_at_its_length() -> None:
+    """A rope that has just no tension pulls on one side only."""
+    scene = slung([(0, 0, 1.0)], [(0, 0, 8.0)], [1.0])
+    held = Spring(
+        name="held", body_a=GROUND, point_a=np.array([0, 0, -5.0]), body_b="load", point_b=np.zeros(3),
+        length=5.0, stiffness=1e5,
+    )  # fmt: skip
+    ropes = (replace(scene.ropes[0], tension=None),)
+    found = of(replace(scene, forces=(held,), ropes=ropes))
+    assert any("forwards" in words and "'load.z'" in words for words in found.warnings)
+
+
+def test_unknown_output() -> None:
+    scene = slung([(0, 0, 1.0)], [(0, 0, 8.0)], [MASS * G])
+    simulation = Simulation(scene, 0.01)
+    with pytest.raises(InputError, match=r"no output 'load.positon'.*'load.position'"):
+        linearise(simulation, outputs=["load.positon"])
+    found = linearise(simulation, outputs=["s0.tension", "load.position.z"])
+    assert found.output_units == ("N", "m")
+    k = EA * (1.0 + MASS * G / EA) / 7.0
+    assert found.C[0, found.states.index("load.z")] == pytest.approx(-k, rel=1e-8)
+    assert found.C[1, found.states.index("load.z")] == pytest.approx(1.0, rel=1e-9)
