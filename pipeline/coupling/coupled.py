@@ -1,8 +1,8 @@
 """A simulation with FMUs beside it: a simulation like others, whose steps stop at sample times for an exchange.
 
 Everything that advances a simulation advances this one: the simulate stage in pieces of any length, and whoever steps
-it from outside. An exchange belongs to the beginning of the interval that follows; state and outputs of the FMUs are part
-of the state, so that a run goes on from a checkpoint with the same bits.
+it from outside. An exchange belongs to the beginning of the interval that follows; state and outputs of the FMUs are
+part of the state, so that a run goes on from a checkpoint with the same bits.
 """
 
 from __future__ import annotations
