@@ -172,7 +172,7 @@ class CoupledSimulation(Simulation):
         super().__init__(scene, step, integrator, **options)
         self.processes: dict[str, FmuProcess] = {}
         self.exchanges = 0
-        self._begun = False
+        self._begun = self._failed = False
         columns = output_columns(self)
         links: dict[str, list[Link]] = {}
         intervals: dict[tuple[int, str], list[str]] = {}
@@ -320,6 +320,7 @@ class CoupledSimulation(Simulation):
 
     def _fail(self, error: Exception) -> None:
         """End the run: what was computed stays."""
+        self._failed = True
         self.outcome = error.outcome if isinstance(error, StopError) else Outcome.BAD_INPUT
         text = str(error)
         self.message = text if text.startswith("t = ") else f"t = {self.time:.9g} s: {text}"
@@ -362,7 +363,7 @@ class CoupledSimulation(Simulation):
     def state(self) -> dict[str, NDArray[Any]]:
         """Everything that a bitwise identical continuation needs, with the states of FMUs if they can write them."""
         arrays = super().state()
-        if self.not_kept:
+        if self.not_kept or self._failed:
             return arrays
         try:
             self._begin()
@@ -410,5 +411,6 @@ class CoupledSimulation(Simulation):
             return
         for group, memory in zip(self._groups, kept["masters"], strict=True):
             group.master.memory = memory
+        self._failed = False
         self._done = list(kept["done"])
         self.exchanges = int(kept["exchanges"])

@@ -119,12 +119,19 @@ class FmuProcess:
         self._rates.update(rates)
 
     def step(self, time: float, dt: float) -> None:
-        """Advance; without interpolation of its own it gets the mean of each input over the interval."""
+        """Advance with inputs that are constant or have rates.
+
+        An FMU that does not interpolate gets the mean of each input over the interval, and then, for its outputs, the
+        value at the end.
+        """
         values, rates = list(self._values.values()), list(self._rates.values())
-        if not self.fmu.interpolates:
-            values = [value + 0.5 * rate * dt for value, rate in zip(values, rates, strict=True)]
-        told = rates if self.fmu.interpolates and any(rates) else None
-        self._take("step", when=time, time=time, dt=dt, values=values, rates=told)
+        ends = None
+        if any(rates):
+            ends = [value + rate * dt for value, rate in zip(values, rates, strict=True)]
+            if not self.fmu.interpolates:
+                values = [0.5 * (value + end) for value, end in zip(values, ends, strict=True)]
+        told = rates if ends is not None and self.fmu.interpolates else None
+        self._take("step", when=time, time=time, dt=dt, values=values, rates=told, ends=ends)
 
     def outputs(self) -> Mapping[str, float]:
         """Outputs at the present time, by the names of its variables."""
