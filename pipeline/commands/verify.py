@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from heavylift.pipeline.case.case_file import Case
     from heavylift.pipeline.case.checks import CheckSection
     from heavylift.pipeline.case.criteria.results import CriterionResult
+    from heavylift.pipeline.checks.judge import Judged
     from heavylift.pipeline.checks.quantities import CheckResult
     from heavylift.pipeline.log import Log
 
@@ -24,6 +25,7 @@ __all__ = [
     "Missed",
     "check_table",
     "exit_code",
+    "judged_verdict",
     "verify_case",
     "verify_document",
 ]
@@ -130,20 +132,7 @@ def verify_case(
         if report.outcome is not Outcome.COMPLETED:
             outcome, message = report.outcome, report.message
         else:
-            found = judge(case, report.folder.root, log=log)
-            return CaseVerdict(
-                name,
-                Outcome.COMPLETED if found.passed else Outcome.CHECK_FAILED,
-                cpu_s,
-                found.checks,
-                tuple(
-                    _missed(case, check, str(found.open_checks[check.id]))
-                    for check in case.check
-                    if check.id in found.open_checks
-                ),
-                found.criteria,
-                tuple((one, str(error)) for one, error in found.open_criteria.items()),
-            )
+            return judged_verdict(name, case, judge(case, report.folder.root, log=log), cpu_s)
     except InputError as error:
         outcome, message = Outcome.BAD_INPUT, str(error)
     except StopError as error:
@@ -151,6 +140,33 @@ def verify_case(
     except OSError as error:
         outcome, message = Outcome.BAD_INPUT, f"{error.filename}: {error.strerror}"
     return CaseVerdict(name, outcome, cpu_s, missed=missed, open_criteria=not_reached, message=message)
+
+
+def judged_verdict(name: str, case: Case, found: Judged, cpu_s: float) -> CaseVerdict:
+    """Verdict of a case whose run has been judged.
+
+    Parameters
+    ----------
+    name, case
+        The case.
+    found
+        Its checks and criteria.
+    cpu_s
+        CPU time of its stages [s].
+    """
+    return CaseVerdict(
+        name,
+        Outcome.COMPLETED if found.passed else Outcome.CHECK_FAILED,
+        cpu_s,
+        found.checks,
+        tuple(
+            _missed(case, check, str(found.open_checks[check.id]))
+            for check in case.check
+            if check.id in found.open_checks
+        ),
+        found.criteria,
+        tuple((one, str(error)) for one, error in found.open_criteria.items()),
+    )
 
 
 def _missed(case: Case, check: CheckSection, reason: str = "") -> Missed:

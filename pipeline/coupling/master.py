@@ -68,8 +68,8 @@ class Link(NamedTuple):
         Name of a system, and of its output.
     target, input
         Name of a system, and of its input.
-    factor
-        From the unit of the output to that of the input.
+    factor, offset
+        ``input = factor * output + offset``.
     """
 
     source: str
@@ -77,6 +77,11 @@ class Link(NamedTuple):
     target: str
     input: str
     factor: float = 1.0
+    offset: float = 0.0
+
+    def told(self, outputs: Mapping[str, float]) -> float:
+        """The input, of the outputs of the source."""
+        return self.factor * outputs[self.output] + self.offset
 
 
 class Master:
@@ -247,7 +252,7 @@ class Master:
         found = self._systems[name].outputs()
         for k in self._from[name]:
             link = self.links[k]
-            value = found[link.output] * link.factor
+            value = link.told(found)
             if not math.isfinite(value):
                 raise StopError(Outcome.NOT_FINITE, f"output {link.output!r} of {name!r} is {value}")
             values[k] = value

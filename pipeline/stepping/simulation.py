@@ -303,6 +303,16 @@ class Simulation:
     def _parts(self, name: str) -> list[str]:
         return [one for one in self._columns if one.rpartition(".")[0] == name]
 
+    def get(self, outputs: Sequence[str]) -> list[Any]:
+        """Several outputs now, SI: numbers, or arrays of the components of channels.
+
+        Raises
+        ------
+        InputError
+            If there is no such output.
+        """
+        return [self[name] for name in outputs]
+
     def set(self, name: str, value: float, *, rate: float = 0.0, until: float = math.inf) -> None:
         """Drive an input from now on.
 
@@ -333,7 +343,10 @@ class Simulation:
         self.input_log.append(InputChange(solver.time, name, float(value), float(rate), float(until)))
 
     def step(
-        self, dt: float | None = None, inputs: Mapping[str, float | tuple[float, float]] | None = None
+        self,
+        dt: float | None = None,
+        inputs: Mapping[str, float | tuple[float, float]] | None = None,
+        outputs: Sequence[str] = (),
     ) -> None:
         """Advance.
 
@@ -344,6 +357,8 @@ class Simulation:
         inputs
             Values by name; a held one acts from now on, a linear one is reached at the end. Two numbers are a value
             now and its rate until the end.
+        outputs
+            What is read next: of a simulation in another process they come with the same message.
 
         Raises
         ------
@@ -353,6 +368,7 @@ class Simulation:
         SimulationStopped
             If the simulation stops by itself; state and history are those of the last good step.
         """
+        del outputs  # all of them are here
         solver = self._solver
         count = 1 if dt is None else self._count(dt)
         first = solver.step_index
