@@ -62,6 +62,9 @@ class Layout:
         The scenario, if there is one; it is among the forces.
     controllers
         Those of ballast, if there are any; they are among the forces.
+    inputs
+        What inputs drive, `heavylift.solver.inputs.targets.BoundInputs`, if there are any; their kind is among the
+        forces.
     """
 
     bodies: Bodies
@@ -79,6 +82,7 @@ class Layout:
     notes: tuple[str, ...] = ()
     sequencer: Any = None
     controllers: Any = None
+    inputs: Any = None
 
 
 def pack_scene(scene: Scene, integrator: str = "dele2", step: float = 0.0) -> Layout:
@@ -99,7 +103,8 @@ def pack_scene(scene: Scene, integrator: str = "dele2", step: float = 0.0) -> La
         If names repeat, a force or sensor names a body that is not there, or a value does not fit.
     """
     check_scene(scene)
-    if scene.scenario is not None:
+    driving = any(one.DRIVES for one in scene.inputs)
+    if scene.scenario is not None or driving:
         from heavylift.solver.scenario.packing import with_drives
 
         scene = with_drives(scene)
@@ -181,10 +186,14 @@ def pack_scene(scene: Scene, integrator: str = "dele2", step: float = 0.0) -> La
     for marker, vector in book.fixed:
         work.markers[marker].point[:] = vector
     kinds: tuple[Any, ...] = (tuple(bodies), tuple(made.joints), tuple(made.systems))
-    if scene.scenario is not None:
+    profiles = np.zeros(0)
+    if scene.scenario is not None or driving:
         from heavylift.solver.scenario.packing import reserve_tables, share_profiles
 
-        moving, profiles = share_profiles(reserve_tables(kinds[:2], scene, channels), scene.scenario)
+        moving, profiles = share_profiles(reserve_tables(kinds[:2], scene, channels), scene)
+        # ropes that are forces are among the joints too, for their records
+        changed = {id(old): new for old, new in zip(kinds[1], moving[1], strict=True)}
+        forces = [changed.get(id(kind), kind) for kind in forces]
         kinds = (*moving, kinds[2])
     if (
         scene.touches or scene.scenario is not None
@@ -215,6 +224,11 @@ def pack_scene(scene: Scene, integrator: str = "dele2", step: float = 0.0) -> La
         controllers = pack_controllers(scene.sea, hulls, names, of_ballast, step)
         forces.append(controllers)
         groups |= {SCENARIO}
+    inputs = None
+    if scene.inputs:
+        from heavylift.solver.inputs.targets import bind_inputs
+
+        inputs = bind_inputs(scene, kinds, forces, controllers, channels, profiles)
     return Layout(
         bodies=Bodies(kinds[0], groups),
         forces=Forces(forces, groups),
@@ -231,6 +245,7 @@ def pack_scene(scene: Scene, integrator: str = "dele2", step: float = 0.0) -> La
         tank_names=() if scene.sea is None else tuple(tank.name for tank in scene.sea.tanks_of(ordered)),
         sequencer=sequencer,
         controllers=controllers,
+        inputs=inputs,
     )
 
 
@@ -318,4 +333,5 @@ def scene_corners(scene: Scene) -> NDArray[np.float64]:
             times += list(profile.times)
         else:
             times += [profile.times[0], profile.times[-1]]
-    return np.unique([time for time in times if time > 0.0])
+    # an input that stops changing is a corner too: one place each, behind all others until it is used
+    return np.append(np.unique([time for time in times if time > 0.0]), np.full(len(scene.inputs), np.inf))

@@ -15,6 +15,7 @@ from heavylift.solver.scene.connections import (
     Joint,
 )
 from heavylift.solver.scene.descriptions import check_object
+from heavylift.solver.scene.inputs import Input
 from heavylift.solver.scene.scene import AnyBody, Gravity, Scene
 
 __all__ = ["check_scene"]
@@ -37,6 +38,7 @@ def check_scene(scene: Scene) -> None:
         (scene.bodies, Body, "bodies"),
         (scene.forces, (ForceElement,), "forces"),
         (scene.joints, (Joint,), "joints"),
+        (scene.inputs, (Input,), "inputs"),
     )
     for parts, types, what in kinds:
         for part in parts:
@@ -49,7 +51,7 @@ def check_scene(scene: Scene) -> None:
         _check_joint(joint)
     _check_stiffened(scene)
     described: list[Any] = [*scene.bodies, *scene.forces, *scene.joints, *scene.ropes]
-    described += [*scene.decks, *scene.transporters]
+    described += [*scene.decks, *scene.transporters, *scene.inputs]
     if scene.sea is not None:
         described += [
             *scene.sea.fields,
@@ -71,7 +73,8 @@ def check_scene(scene: Scene) -> None:
 
 def _check_names(scene: Scene) -> None:
     """Every name of a channel once, and every reference to something that is there."""
-    named = [force for force in scene.forces if not isinstance(force, Gravity)]
+    named: list[Any] = [force for force in scene.forces if not isinstance(force, Gravity)]
+    named += scene.inputs
     seen: set[str] = set()
     recorded = [
         force for force in named if getattr(force, "CHANNELS", True)

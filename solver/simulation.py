@@ -18,6 +18,7 @@ from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.numerics.words import check_word
 from heavylift.solver.carried import carried_words
 from heavylift.solver.compiling import compile_units, missing_units
+from heavylift.solver.inputs.ports import InputPorts
 from heavylift.solver.integrate.choice import check_integrator, choose_integrator, stiff_part
 from heavylift.solver.integrate.lone_extremes import LoneExtremes
 from heavylift.solver.integrate.loop import start_scene, write_record
@@ -113,6 +114,8 @@ class Simulation:
         Its scenario on its way, with its log; None without one.
     stop_asked
         Asked where a call of the integrator comes back before its end: whether `advance` is to do so too.
+    inputs
+        What may be set from outside, by name; see `set_input`.
     ended
         Whether its scenario has ended it, with all phases done: time goes no further.
     cpu_seconds, start_seconds, compile_seconds
@@ -215,6 +218,13 @@ class Simulation:
             from heavylift.solver.scenario.operation import Operation
 
             self.operation = Operation(self._layout.sequencer, scene.scenario, self.channels)
+        self.inputs = InputPorts(
+            self._layout.inputs,
+            self.step,
+            whole_steps=self.tolerance == 0.0,
+            corners=self._layout.work.corners,
+            clock=lambda: self.time,
+        )
         self.cpu_seconds = 0.0
         self.start_seconds = 0.0
         self.compile_seconds = 0.0
@@ -235,6 +245,7 @@ class Simulation:
             self._range = ModalRange(modal, self.channels, scene.joints)
         self._lone = None if self.operation is None else LoneExtremes(self.channels)
         self._return, self._heard = ReturnPoint(), 0
+        self._anew: Callable[[float], object] | None = None
         self._views: tuple[Any, dict[str, NDArray[Any]]] = (None, {})
         self._counts = True
         self._calls: tuple[Any, Callable[..., Any], Callable[..., Any]] = (None, self._run, write_record)
@@ -270,6 +281,10 @@ class Simulation:
             from heavylift.solver.scenario.sequencer import begin_scenario
 
             entries.append(begin_scenario)
+        if self.inputs and self.integrator == "accurate":
+            from heavylift.solver.integrate.accurate import begin_anew
+
+            entries.append(begin_anew)
         units |= {entry.unit.name: entry.unit for entry in entries}
         missing = missing_units(list(units.values()))
         self._compiled = not missing
@@ -327,6 +342,7 @@ class Simulation:
 
             assert self._scene.sea is not None
             begin_controllers(layout.controllers, [one.name for one in self._scene.sea.controllers])
+        self.inputs.begin()
         if self.operation is not None:
             self._begin_scenario(self.operation)
 
@@ -588,10 +604,11 @@ class Simulation:
             self._watch.add(begun)
             if self._left_range(begun) >= 0:
                 return np.empty(0), records[:0]
-        heard = 0 if self.operation is None else self.operation.heard
+        heard = self.inputs.heard + (0 if self.operation is None else self.operation.heard)
         if heard != self._heard or self._return.is_due(self.cpu_seconds):
             self._return.take(self._arrays_in_use, first, self.cpu_seconds)
             self._heard = heard
+        last = self._last_possible(first, last)
         begin = clock.thread_time()
         done = self._call(first, last, every, records, self.stop_asked)
         self.cpu_seconds += clock.thread_time() - begin
@@ -604,6 +621,9 @@ class Simulation:
         elif status != 0:
             self._stop()
             self._back_to(first, done, records)
+        elif done == last < first + steps:  # as far as an input can drive what it drives
+            self.outcome = Outcome.LIMIT_REACHED
+            self.message = f"stopped at t = {self.time:.9g} s: {self.inputs.ends[1]}"
         count = int(done) // every - first // every
         beyond = self._left_range(records[:count], first // every + 1)
         if beyond >= 0:
@@ -619,6 +639,76 @@ class Simulation:
             times *= every
         times *= self.step
         return times, records[:count]
+
+    def set_input(self, name: str, value: float, rate: float = 0.0, until: float = math.inf) -> None:
+        """Set an input, from the present time on.
+
+        It is ``value + rate (t - time)`` until a time, and held from there on. What it was set to is part of the state.
+
+        Parameters
+        ----------
+        name
+            Of `inputs`.
+        value
+            In its SI unit. Of an input that is a place or a length, which cannot jump: where it is.
+        rate
+            Its change [1/s].
+        until
+            When it is held [s]: the end of a step, if all steps have one length.
+
+        Raises
+        ------
+        InputError
+            If there is no such input, a number is not finite, lies or leads beyond the limits of the input, would make
+            a place jump or run a rope out, `until` is not later or lies within a step, or the run has ended; then
+            nothing is changed.
+
+        Examples
+        --------
+        >>> from heavylift.solver.inputs.force import ForceInput
+        >>> from heavylift.solver.scene.scene import RigidBody, Scene
+        >>> body = RigidBody("load", mass=2.0, inertia=np.eye(3))
+        >>> push = ForceInput(name="push", body="load", point=np.zeros(3))
+        >>> simulation = Simulation(Scene((body,), inputs=(push,)), step=0.1)
+        >>> simulation.set_input("push", 4.0)
+        >>> _, records = simulation.advance(10)
+        >>> simulation.inputs.value("push")
+        (4.0, 0.0)
+        """
+        self.set_inputs([(name, value, rate, until)])
+
+    def set_inputs(self, settings: Sequence[tuple[str, float, float, float]]) -> None:
+        """Set several inputs from the present time on, all or none.
+
+        Parameters
+        ----------
+        settings
+            Name, value, rate, and when it is held, as of `set_input`.
+
+        Raises
+        ------
+        InputError
+            If one of them is not possible; then nothing is changed.
+        """
+        self.warm_up()
+        if settings and (self.outcome is not Outcome.COMPLETED or self.ended):
+            raise InputError(
+                f"the run has ended at t = {self.time:.9g} s",
+                source="inputs",
+                key=str(settings[0][0]),
+                expected="settings before its end",
+            )
+        self.inputs.put(settings, self.time)
+        self._layout.work.control.corner = 0
+        if self._anew is not None:
+            self._anew(self.time)
+
+    def _last_possible(self, first: int, last: int) -> int:
+        """Last step up to which inputs can drive what they drive."""
+        end = self.inputs.ends[0]
+        if not end < last * self.step:
+            return last
+        return max(first, min(last, int(end / self.step)))
 
     def _left_range(self, records: NDArray[np.float64], number: int = 0) -> int:
         """Number of the record at which a body has left the range of its modes, with which the run ends; or -1.
@@ -647,6 +737,10 @@ class Simulation:
                     words.size for kind in (*scene[1], *scene[2]) for _, words in carried_words(kind)
                 )
             self._calls = layout, self._run.with_first(*scene), write_record.with_first(*scene)
+            if self.inputs and self.integrator == "accurate":
+                from heavylift.solver.integrate.accurate import begin_anew
+
+                self._anew = begin_anew.with_first(*scene)
         return self._calls[1:]
 
     def _call(
@@ -799,6 +893,7 @@ class Simulation:
         ended = self.operation is not None and int(self.operation.sequencer.state.outcome) < 0
         self.ended = ended and self.step_index % self.record_every == 0  # it continues to its next record
         self._started = True
+        self.inputs.refresh()
         self._begin_again()
         self._return.take(self._arrays_in_use, self.step_index, self.cpu_seconds)
 

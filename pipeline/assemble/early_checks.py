@@ -48,6 +48,7 @@ DESCRIBED = (
     "fenders",
     "decks",
     "transporters",
+    "inputs",
 )
 """Lists of tables that `heavylift.pipeline.assemble.described.assemble` takes as they are."""
 

@@ -130,7 +130,9 @@ def pulled_places(
     from heavylift.preprocess.finite_elements.mesh import find_place
 
     joints = pulling_joints(case.joints, name)
-    points = [(key, np.asarray(point)) for key, point in pulled_points(case.ropes, case.forces, name)]
+    points = [
+        (key, np.asarray(point)) for key, point in pulled_points(case.ropes, case.forces, name, case.inputs)
+    ]
     points += [
         (f"joints.{index}.{'at' if joint.at else 'points'}", point)
         for index, joint, point in _joint_points(name, body, origin, joints)

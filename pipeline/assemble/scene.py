@@ -80,6 +80,7 @@ def assemble_scene(case: Case, folder: OutputFolder) -> s.Scene:
         sea=_sea(case, sides, folder),
         scenario=case.operation,
         at_rest=case.begins_at_rest,
+        inputs=tuple(assemble_list(case, "inputs", sides)),
     )
     if case.databases:
         from heavylift.pipeline.assemble.afloat import check_afloat
@@ -178,6 +179,7 @@ def points_on(
         found.append((f"sensors.{i}.point", sensor.body, sensor.point))
     force: Any
     both = [(f"forces.{i}", force) for i, force in enumerate(case.forces)]
+    both += [(f"inputs.{i}", one) for i, one in enumerate(case.inputs)]
     both += [(f"relative_motions.{i}", motion) for i, motion in enumerate(case.relative_motions)]
     both += [(f"leads.{i}", lead) for i, lead in enumerate(case.leads)]
     for place, force in both:

@@ -38,6 +38,7 @@ from heavylift.pipeline.case.simulate import SimulateSection, multiple
 from heavylift.pipeline.case.tables import TABLES, SceneTables, declared
 from heavylift.pipeline.equipment.builders import BUILDERS
 from heavylift.solver.scene.actions import Hook
+from heavylift.solver.scene.inputs import check_inputs
 from heavylift.solver.scene.operation_state import Movable, drives_of, helpers_of, releases_of
 from heavylift.solver.scene.scenario import Scenario, check_scenario
 
@@ -105,6 +106,7 @@ class Case(SceneTables, _CaseHeading):
             *(partial(self._reference_fits, *entry) for entry in enumerate(self.reference)),
             self._integrates_contacts,
             self._has_an_operation,
+            self._has_inputs,
             self._plans_ballast,
             self._exchanges,
             *(partial(self._has_a_run, name) for name in self.bodies),
@@ -277,6 +279,19 @@ class Case(SceneTables, _CaseHeading):
         except InputError as error:
             key = key_as_given(self.scenario, self._known, error.key)
             reject(error.problem, error.expected, key=f"scenario.{key}")
+
+    def _has_inputs(self) -> None:
+        """Inputs drive what is there, and nothing else drives it."""
+        if not self.inputs:
+            return
+        if self.simulate is None:
+            reject("needs a [simulate] section", "a simulation that they can act on", key="inputs")
+        fluids = self._names.fluids
+        controllers = {one.name: one for one in self.controllers}
+        try:
+            check_inputs(self.inputs, self.operation, Movable(**self._movable), controllers, fluids)
+        except InputError as error:
+            reject(error.problem, error.expected, key=error.key)
 
     def _has_a_run(self, name: str) -> None:
         """Stress over the run needs one."""

@@ -59,21 +59,23 @@ def pulling_joints(joints: Sequence[Any], body: str) -> list[tuple[int, Any]]:
 
 
 def pulled_points(
-    ropes: Sequence[Any], forces: Sequence[Any], body: str
+    ropes: Sequence[Any], forces: Sequence[Any], body: str, inputs: Sequence[Any] = ()
 ) -> list[tuple[str, tuple[float, float, float]]]:
-    """Points of a body at which ropes and forces pull, with their keys, in coordinates of its geometry [m]."""
+    """Points of a body at which ropes, forces and inputs pull, with their keys, in coordinates of its geometry [m]."""
     found = [
         (f"ropes.{i}.path.{k}.point", stop.point)
         for i, rope in enumerate(ropes)
         for k, stop in enumerate(rope.path)
         if stop.body == body
     ]
-    for i, force in enumerate(forces):
+    loads = [(f"forces.{i}", force) for i, force in enumerate(forces)]
+    loads += [(f"inputs.{i}", one) for i, one in enumerate(inputs)]
+    for key, force in loads:
         if hasattr(force, "point") and force.body == body:
-            found.append((f"forces.{i}.point", force.point))
+            found.append((f"{key}.point", force.point))
         elif hasattr(force, "points"):
             found += [
-                (f"forces.{i}.points.{k}", point)
+                (f"{key}.points.{k}", point)
                 for k, (side, point) in enumerate(zip(force.between, force.points, strict=True))
                 if side == body
             ]

@@ -40,6 +40,7 @@ from heavylift.solver.scene.descriptions import (
     is_described,
     recorded_channels,
 )
+from heavylift.solver.scene.inputs import INPUTS
 from heavylift.solver.scene.moorings import MOORINGS
 from heavylift.solver.scene.scene import SENSORS
 from heavylift.solver.scene.sea import AT_SEA
@@ -483,6 +484,11 @@ class SceneTables(_EquippedScene):
         tuple[Annotated[Any, Later(f"{_HERE}.fmus", "FmuSection")], ...], Table("FMUs", "FMU", "apart")
     ] = ()
     """Functional mock-up units that run beside the scene."""
+    inputs: Annotated[
+        tuple[Annotated[Any, Chosen(INPUTS)], ...],
+        Table("Inputs", "input", is_outer=lambda entry, _case: entry.DESCRIBED.ACTS in {"force", "moment"}),
+    ] = ()
+    """Numbers that are set from outside while the case runs."""
     scenario: Annotated[Any, Later(f"{_HERE}.scenario", "ScenarioSection")] | None = None
     """Phases of an operation."""
 

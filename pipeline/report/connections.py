@@ -26,6 +26,7 @@ def connection_tables(case: Case) -> list[Table]:
         tables.append(short_table(columns, [_joint(joint) for joint in case.joints]))
     kinds: dict[str, str] = {joint.name: joint.type for joint in case.joints}
     tables += [*described_table("rope", case.ropes), *described_table("force", case.forces, kinds)]
+    tables += described_table("input", case.inputs, kinds)
     return [*tables, *described_table("deck", case.decks), *described_table("transporter", case.transporters)]
 
 

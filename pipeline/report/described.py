@@ -75,6 +75,7 @@ def _place(thing: Any) -> tuple[str, str]:
     names = list(getattr(thing, "between", ())) or [
         getattr(thing, key) for key in ("body", "joint") if hasattr(thing, key)
     ]
+    names = names or [getattr(thing, key) for key in [getattr(thing.DESCRIBED, "TARGET", "")] if key]
     for stop in getattr(thing, "path", ()):
         pulley = f" (pulley {number_words(stop.radius, 'm')})" if stop.radius else ""
         names.append(stop.body + pulley)

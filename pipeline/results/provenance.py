@@ -203,7 +203,9 @@ def modes_digest(case: Case, body: FlexibleBodySection) -> str:
     held = [joint.model_dump(mode="json") for _, joint in holding_joints(case.joints, owner)]
     if body.geometry.type in {"mesh", "panels"}:  # perhaps of plates and beams
         held += [joint.model_dump(mode="json") for _, joint in pulling_joints(case.joints, owner)]
-        reduction["pulled"] = [list(point) for _, point in pulled_points(case.ropes, case.forces, owner)]
+        reduction["pulled"] = [
+            list(point) for _, point in pulled_points(case.ropes, case.forces, owner, case.inputs)
+        ]
     if held:  # their places in the body depend on where it starts
         frames = (body.frame, body.initial)
         reduction["held"] = [*held, *(section.model_dump(mode="json") for section in frames)]

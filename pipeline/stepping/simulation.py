@@ -236,7 +236,7 @@ class Simulation:
     @property
     def inputs(self) -> Mapping[str, InputInfo]:
         """What may be driven from outside, by name."""
-        ports: Any = getattr(self._solver, "inputs", {})
+        ports = self._solver.inputs
         return MappingProxyType(
             {
                 name: InputInfo(
@@ -338,8 +338,7 @@ class Simulation:
                 key=str(name),
                 expected="values before its end",
             )
-        driven: Any = solver
-        driven.set_input(name, value, rate, until)
+        solver.set_input(name, value, rate, until)
         self.input_log.append(InputChange(solver.time, name, float(value), float(rate), float(until)))
 
     def step(
@@ -424,8 +423,7 @@ class Simulation:
     def _drive(self, inputs: Mapping[str, Any], count: int) -> None:
         """Set the inputs of a step; all of them or none."""
         solver, end = self._solver, (self._solver.step_index + count) * self._solver.step
-        ports: Any = getattr(solver, "inputs", {})
-        wanted = []
+        ports, wanted = solver.inputs, []
         for name, value in inputs.items():
             if isinstance(value, (tuple, list)):
                 if len(value) != 2:
@@ -441,8 +439,7 @@ class Simulation:
                 wanted.append((name, now, (value - now) / (count * solver.step), end))
             else:
                 wanted.append((name, value, 0.0, math.inf))
-        driven: Any = solver
-        driven.set_inputs(wanted)
+        solver.set_inputs(wanted)
         self.input_log += [
             InputChange(solver.time, name, float(value), float(rate), float(until))
             for name, value, rate, until in wanted

@@ -45,7 +45,7 @@ It decides how sums of forces on a body are rounded and in which order rows are 
 
 def elements_of(scene: Scene, stage: Stage) -> list[Any]:
     """Things of a scene that are packed in a stage, in the order of their columns."""
-    things: list[Any] = [*scene.ropes, *scene.transporters, *scene.forces]
+    things: list[Any] = [*scene.ropes, *scene.transporters, *scene.forces, *scene.inputs]
     things += [stop for joint in scene.joints for stop in joint_stops(joint)]
     things += [friction for joint in scene.joints for friction in joint_friction(joint)]
     return [thing for thing in things if getattr(thing, "STAGE", Stage.ROWS) is stage]

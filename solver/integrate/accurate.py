@@ -78,7 +78,7 @@ from heavylift.solver.interface import (
 )
 from heavylift.solver.rows.accurate import constrain, forget_reactions, project, soften
 
-__all__ = ["Integration", "make_integration", "run", "stiffness_seen"]
+__all__ = ["Integration", "begin_anew", "make_integration", "run", "stiffness_seen"]
 
 SAFETY, SMALLEST_FACTOR, LARGEST_FACTOR = 0.8, 0.2, 2.0
 SHARE = 0.1
@@ -440,6 +440,36 @@ def _sample(
     _evaluate(bodies, forces, joints, rows, work, integration, END, END_RATE, time, True, False)
     if progress.trees:
         store_trees(rows, bodies, time, values, END * size, work)
+
+
+@entry
+def begin_anew(
+    bodies: Bodies, forces: Forces, joints: Joints, systems: Systems, work: Workspace, time: float
+) -> None:
+    """Forget what was found behind a record, before something jumps there: its state becomes the newest node.
+
+    Parameters
+    ----------
+    bodies, forces, joints, systems, work
+        As of `run`.
+    time
+        Of the record [s].
+    """
+    integration, rows = carried(systems, 0), systems
+    progress = integration.progress
+    if not progress.started or (progress.at_corner and progress.times[progress.newest] == time):
+        return
+    _sample(bodies, forces, joints, rows, work, integration, time)
+    hold_turns(forces, False)
+    size = integration.vectors.shape[0] // VECTORS
+    for k in range(QUADRATURES):
+        integration.vectors[(END + 1) * size - QUADRATURES + k] = progress.works[k]
+    place = progress.newest * NODE_ROWS * size
+    for i in range(size):
+        integration.nodes[place + i] = integration.vectors[END * size + i]
+    progress.times[progress.newest] = time
+    progress.filled = 1
+    progress.at_corner = True
 
 
 @entry  # eleven parameters: the scene is five; which steps, how exact and where records go are six

@@ -59,6 +59,7 @@ from heavylift.solver.scenario.sequencer import (
 from heavylift.solver.scene.bodies import Driven, Fixed, Profile
 from heavylift.solver.scene.channels import Channel, TrackOutputs
 from heavylift.solver.scene.commands import Command
+from heavylift.solver.scene.inputs import check_inputs
 from heavylift.solver.scene.operation_state import AXES, Movable, drives_of, helpers_of, releases_of
 from heavylift.solver.scene.outputs import Columns
 from heavylift.solver.scene.scenario import Scenario, check_scenario
@@ -73,17 +74,30 @@ from heavylift.solver.transport.transporters import (
 )
 from heavylift.solver.water.hulls.kind import PumpData, PumpRow, TankData, TankLevel
 
-__all__ = ["action_entry", "pack_scenario", "reserve_tables", "share_profiles", "with_drives"]
+__all__ = [
+    "action_entry",
+    "first_columns",
+    "followers",
+    "pack_scenario",
+    "profile_start",
+    "reserve_tables",
+    "rope_kinds",
+    "share_profiles",
+    "with_drives",
+]
 
 TANK_LEVELS = 3
 """Of a commanded tank, at least."""
+
+INPUT_ROWS = 3
+"""Of a winch that an input drives: a speed, another one, and that behind them."""
 
 TOLD_LINES = 1000
 """Of the log, for operator commands."""
 
 
 def with_drives(scene: Any) -> Any:
-    """A scene in which commanded frames can move: those that are fixed stand still until then.
+    """A scene in which frames that a scenario commands or an input drives can move: fixed ones stand still until then.
 
     Raises
     ------
@@ -111,8 +125,12 @@ def with_drives(scene: Any) -> Any:
             scene.transporters,
         ),
     )
-    check_scenario(scene.scenario, movable)
-    told = {name.rpartition(".")[::2] for name in _commanded(scene.scenario, "drive") if "." in name}
+    if scene.scenario is not None:
+        check_scenario(scene.scenario, movable)
+    controllers = {} if scene.sea is None else {one.name: one for one in scene.sea.controllers}
+    fields = () if scene.sea is None else scene.sea.fields
+    check_inputs(scene.inputs, scene.scenario, movable, controllers, [one.name for one in fields])
+    told = {name.rpartition(".")[::2] for name in _driven(scene, "drive") if "." in name}
     standing = Profile(times=np.zeros(1), speeds=np.zeros(1))
 
     def ready(body: Any) -> Any:
@@ -130,20 +148,20 @@ def with_drives(scene: Any) -> Any:
 def reserve_tables(
     kinds: tuple[tuple[Any, ...], tuple[Any, ...]], scene: Any, channels: Sequence[Channel]
 ) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
-    """Kinds of bodies and joints with room for the commands of a scenario.
+    """Kinds of bodies and joints with room for the commands of a scenario, and for what inputs are set to.
 
     Parameters
     ----------
     kinds
         Bodies, joints.
     scene
-        With a scenario.
+        With a scenario, or inputs.
     channels
         Of the record, those of the ropes among them.
     """
-    scenario, columns = scene.scenario, _first_columns(channels)
+    columns = first_columns(channels)
     winches = {columns[name] for name in _commanded_winches(scene) if name in columns}
-    drives = _commanded(scenario, "drive")
+    drives = _driven(scene, "drive")
     joints = {columns[name] for name in drives if name in columns}
     frames: dict[int, set[int]] = {
         columns[name.rpartition(".")[0]]: set() for name in drives if name.rpartition(".")[0] in columns
@@ -152,7 +170,7 @@ def reserve_tables(
         owner, _, axis = name.rpartition(".")
         if owner in columns:
             frames[columns[owner]].add(AXES.index(axis))
-    pumped = set(_commanded(scenario, "tank"))
+    pumped = set(_driven(scene, "tank"))
     bodies = []
     for kind in kinds[0]:
         made = kind
@@ -166,10 +184,11 @@ def reserve_tables(
         (int(k.table["winch_rows"].max()) for k in kinds[1] if isinstance(k, Ropes) and k.COMMANDED),
         default=0,
     )
-    follows = any(command.leader for command in scenario.commands)
+    follows = scene.scenario is not None and any(command.leader for command in scene.scenario.commands)
     for kind in kinds[1]:
         if isinstance(kind, Ropes) and kind.COMMANDED:
-            connections.append(_with_winch_rows(kind, winches, max(MOVE_ROWS, longest if follows else 0)))
+            least = INPUT_ROWS if scene.scenario is None else MOVE_ROWS
+            connections.append(_with_winch_rows(kind, winches, max(least, longest if follows else 0)))
         elif isinstance(kind, Paths):
             connections.append(_with_pieces(kind, _commanded_paths(scene)))
         elif "profiles" in kind._fields and any(int(entry.column) in joints for entry in kind.table):
@@ -179,7 +198,7 @@ def reserve_tables(
     return tuple(bodies), tuple(connections)
 
 
-def _first_columns(channels: Sequence[Channel]) -> dict[str, int]:
+def first_columns(channels: Sequence[Channel]) -> dict[str, int]:
     """First record column of each owner."""
     found: dict[str, int] = {}
     for channel in channels:
@@ -195,14 +214,21 @@ def _commanded(scenario: Scenario, sort: str) -> list[str]:
     return list(dict.fromkeys(one.name for one in scenario.commands if one.actuates == sort))
 
 
+def _driven(scene: Any, sort: str) -> list[str]:
+    """Names of what a scenario commands or inputs drive, of a sort, each once; in order as `_commanded`."""
+    told = [] if scene.scenario is None else _commanded(scene.scenario, sort)
+    return list(dict.fromkeys([*told, *(one.target for one in scene.inputs if sort == one.DRIVES)]))
+
+
 def _commanded_winches(scene: Any) -> set[str]:
-    """Names of ropes whose winches get commands, or follow one that does."""
-    found = set(_commanded(scene.scenario, "winch"))
-    found |= {command.leader for command in scene.scenario.commands if command.leader}
-    return found | {name for name, leader in _followers(scene).items() if leader in found}
+    """Names of ropes whose winches get commands, or are driven by an input, or follow one that is."""
+    found = set(_driven(scene, "winch"))
+    if scene.scenario is not None:
+        found |= {command.leader for command in scene.scenario.commands if command.leader}
+    return found | {name for name, leader in followers(scene).items() if leader in found}
 
 
-def _followers(scene: Any) -> dict[str, str]:
+def followers(scene: Any) -> dict[str, str]:
     """Leaders of the winches that follow another one from the start, by name."""
     winches = {rope.name: getattr(rope, "winch", None) for rope in scene.ropes}
     return {name: winch.follow for name, winch in winches.items() if winch is not None and winch.follow}
@@ -301,6 +327,8 @@ def _vehicles(scene: Any) -> list[str]:
 
 def _commanded_paths(scene: Any) -> set[int]:
     """Numbers of paths that get commands."""
+    if scene.scenario is None:
+        return set()
     names = _vehicles(scene)
     return {names.index(name) for name in _commanded(scene.scenario, "path")}
 
@@ -349,10 +377,10 @@ class _Actuators:
 
 
 def share_profiles(
-    kinds: tuple[tuple[Any, ...], tuple[Any, ...]], scenario: Scenario
+    kinds: tuple[tuple[Any, ...], tuple[Any, ...]], scene: Any
 ) -> tuple[tuple[tuple[Any, ...], tuple[Any, ...]], NDArray[np.float64]]:
-    """Kinds with commanded drives keep their profiles in one array, which the scenario changes."""
-    if not _commanded(scenario, "drive"):
+    """Kinds with drives that a scenario or inputs change keep their profiles in one array."""
+    if not _driven(scene, "drive"):
         return kinds, np.zeros(0)
     fields = [(0, i, "constants") for i, kind in enumerate(kinds[0]) if kind.FRAMES and kind.driven]
     fields += [(1, i, "profiles") for i, kind in enumerate(kinds[1]) if "profiles" in kind._fields]
@@ -403,12 +431,12 @@ def pack_scenario(
     """
     scenario: Scenario = scene.scenario
     known = {channel.name: channel for channel in channels}
-    first_columns = _first_columns(channels)
+    columns_of = first_columns(channels)
     actuators = _Actuators()
-    of_sort = _rope_kinds(kinds[1])
-    owners = {column: name for name, column in first_columns.items()}
-    commanded, followers = _commanded_winches(scene), _followers(scene)
-    ratios = {rope.name: rope.winch.ratio for rope in scene.ropes if rope.name in followers}
+    of_sort = rope_kinds(kinds[1])
+    owners = {column: name for name, column in columns_of.items()}
+    commanded, leaders = _commanded_winches(scene), followers(scene)
+    ratios = {rope.name: rope.winch.ratio for rope in scene.ropes if rope.name in leaders}
     for sort, kind in enumerate(of_sort):
         for i, entry in enumerate(kind.table):
             name = owners[int(entry.column)]
@@ -420,13 +448,13 @@ def pack_scenario(
     for i, tank in enumerate(() if scene.sea is None else scene.sea.tanks_of(scene.bodies)):
         actuators.add(tank.name, TANK, i)
     for name in _commanded(scenario, "drive"):
-        actuators.add(name, DRIVE, _profile_start(name, kinds, first_columns, profiles))
+        actuators.add(name, DRIVE, profile_start(name, kinds, columns_of, profiles))
     paths = next((kind for kind in kinds[1] if isinstance(kind, Paths)), None)
     for number in sorted(_commanded_paths(scene)):
         actuators.add(_vehicles(scene)[number], PATH, number)
     states = records(ActuatorState, len(actuators.rows))
     states["leader"], states["arrives"] = -1, math.inf
-    for name, leader in followers.items():
+    for name, leader in leaders.items():
         if name in actuators.numbers:
             states[actuators.numbers[name]].leader = actuators.numbers[leader]
             states[actuators.numbers[name]].ratio = ratios[name]
@@ -502,7 +530,7 @@ def pack_scenario(
     )
 
 
-def _rope_kinds(joints: Sequence[Any]) -> tuple[Ropes, Ropes, ControlledRopes]:
+def rope_kinds(joints: Sequence[Any]) -> tuple[Ropes, Ropes, ControlledRopes]:
     """Kinds of ropes by their sort, empty ones where a scene has none."""
     found: dict[int, Any] = {
         PLAIN_ROPE: _no_ropes(),
@@ -518,7 +546,7 @@ def _rope_kinds(joints: Sequence[Any]) -> tuple[Ropes, Ropes, ControlledRopes]:
     return found[PLAIN_ROPE], found[RUBBING_ROPE], found[HELD_ROPE]
 
 
-def _profile_start(
+def profile_start(
     name: str, kinds: tuple[tuple[Any, ...], ...], columns: Mapping[str, int], profiles: NDArray[np.float64]
 ) -> int:
     """Where the profile of a drive begins among all that are shared."""

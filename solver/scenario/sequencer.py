@@ -123,6 +123,9 @@ __all__ = [
     "TrackState",
     "Worst",
     "begin_scenario",
+    "write_levels",
+    "write_profile",
+    "write_winch",
 ]
 
 FUNCTIONS = ("sum", "norm", "largest", "smallest", "arrived", "told")
@@ -586,7 +589,7 @@ def _put_row(row: WinchRow, time: float, speed: float, hauled: float, jerk: floa
 
 
 @kernel(internal=True)
-def _write_winch(
+def write_winch(
     ropes: Ropes, i: int, count: int, time: float, ratio: float, hauled: float, plan: Records[MoveRow]
 ) -> None:
     """A plan, times a ratio, from a length hauled in on, as rows of a winch; those behind it are as its last one."""
@@ -594,11 +597,12 @@ def _write_winch(
     for k in range(ropes.table[i].winch_rows):
         row = plan[min(k, count - 1)]
         way = hauled + ratio * (row.value - plan[0].value)
-        _put_row(ropes.winches[first + k], time + row.time, ratio * row.speed, way, ratio * row.jerk)
+        to = ropes.winches[first + k]
+        to.time, to.speed, to.hauled, to.jerk = time + row.time, ratio * row.speed, way, ratio * row.jerk
 
 
 @kernel(internal=True)
-def _write_profile(profiles: Floats1, start: int, count: int, time: float, plan: Records[MoveRow]) -> None:
+def write_profile(profiles: Floats1, start: int, count: int, time: float, plan: Records[MoveRow]) -> None:
     """A plan as the cubics of a profile; what was before it goes on with its first speed."""
     breaks = int(profiles[start])
     cubics = start + 2 + breaks
@@ -616,11 +620,18 @@ def _write_profile(profiles: Floats1, start: int, count: int, time: float, plan:
 
 
 @kernel(internal=True)
-def _write_levels(kind: Sequencer, tank: int, count: int, time: float, plan: Records[MoveRow]) -> None:
+def write_levels(
+    tanks: Records[TankData],
+    levels: Records[TankLevel],
+    tank: int,
+    count: int,
+    time: float,
+    plan: Records[MoveRow],
+) -> None:
     """A plan of constant rates as levels of a tank, which are held behind the last one."""
-    data, last = kind.tanks[tank], plan[count - 1]
+    data, last = tanks[tank], plan[count - 1]
     for k in range(data.count):
-        level = kind.levels[data.first + k]
+        level = levels[data.first + k]
         if k < count:
             level.time, level.mass = time + plan[k].time, plan[k].value
         else:
@@ -671,17 +682,17 @@ def _write(kind: Sequencer, actuator: int, count: int, time: float) -> None:
     """Give the plan to an actuator, and to the winches that follow it."""
     spec, plan = kind.actuators[actuator], kind.plan
     if spec.sort == TANK:
-        _write_levels(kind, spec.number, count, time, plan)
+        write_levels(kind.tanks, kind.levels, spec.number, count, time, plan)
     elif spec.sort == DRIVE:
-        _write_profile(kind.profiles, spec.number, count, time, plan)
+        write_profile(kind.profiles, spec.number, count, time, plan)
     else:
-        _write_winch(_ropes_of(kind, spec.sort), spec.number, count, time, 1.0, plan[0].value, plan)
+        write_winch(_ropes_of(kind, spec.sort), spec.number, count, time, 1.0, plan[0].value, plan)
         for m in range(kind.actuators.shape[0]):
             other = kind.actuator_state[m]
             if other.leader == actuator and kind.actuators[m].commanded:
                 hauled, _, _ = _present(kind, m, time)
                 ropes = _ropes_of(kind, kind.actuators[m].sort)
-                _write_winch(ropes, kind.actuators[m].number, count, time, other.ratio, hauled, plan)
+                write_winch(ropes, kind.actuators[m].number, count, time, other.ratio, hauled, plan)
                 other.arrives = kind.actuator_state[actuator].arrives
 
 

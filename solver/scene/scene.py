@@ -116,6 +116,8 @@ class Scene:
     scenario: Scenario | None = None
     at_rest: bool = False
     """It begins where it comes to rest: how far ropes stretch is not known before."""
+    inputs: tuple[Any, ...] = ()
+    """What may be driven from outside, see `heavylift.solver.scene.inputs`."""
 
     @property
     def gravity(self) -> NDArray[np.float64]:
