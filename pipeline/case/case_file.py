@@ -315,7 +315,7 @@ class Case(SceneTables, _CaseHeading):
             return
         from heavylift.pipeline.case.fmus import check_fmus
 
-        check_fmus(self.fmus, self.simulate, [one.name for one in getattr(self, "inputs", ())])
+        check_fmus(self.fmus, self.simulate, [one.name for one in self.inputs])
         for index, fmu in enumerate(self.fmus):
             for variable, name in fmu.reads.items():
                 key, quantity = f"fmus.{index}.reads.{variable}", f"channel.{name}.end"

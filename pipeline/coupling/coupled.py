@@ -8,6 +8,7 @@ part of the state, so that a run goes on from a checkpoint with the same bits.
 from __future__ import annotations
 
 import json
+import math
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -104,15 +105,16 @@ class _Scene:
         """Set the inputs in the simulation."""
         simulation = self._simulation
         until = (simulation.step_index + self._every) * simulation.step
+        settings = []
         for name, value in self._values.items():
             rate = self._rates[name]
             if simulation.inputs[name].interpolation == "linear":
                 present, _ = simulation.inputs.value(name)
-                simulation.set_input(name, present, (value + rate * dt - present) / dt, until)
-            elif rate:
-                simulation.set_input(name, value, rate, until)
+                settings.append((name, present, (value + rate * dt - present) / dt, until))
             else:
-                simulation.set_input(name, value)
+                settings.append((name, value, rate, until if rate else math.inf))
+        if settings:
+            simulation.set_inputs(settings)
 
     def outputs(self) -> Mapping[str, float]:
         """What the record of the present state shows."""

@@ -198,7 +198,7 @@ def main() -> None:
     def watch() -> None:
         with contextlib.suppress(OSError):
             os.read(life, 1)
-        os._exit(1)
+        os._exit(0)
 
     threading.Thread(target=watch, daemon=True).start()
     serve(pipe)

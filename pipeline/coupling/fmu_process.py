@@ -84,6 +84,7 @@ class FmuProcess:
         self._values = dict.fromkeys(self._inputs, 0.0)
         self._rates = dict.fromkeys(self._inputs, 0.0)
         self._found: dict[str, float] = {}
+        self._saved = 0
         folder = Path(tempfile.mkdtemp(prefix="heavylift_fmu_"))
         try:
             unpack_fmu(fmu, folder)
@@ -138,17 +139,16 @@ class FmuProcess:
         return self._found
 
     def save(self) -> tuple[int, dict[str, float]]:
-        """A copy of the state, which stays in the process until `free`."""
-        return int(self._ask("save")), dict(self._found)
+        """A copy of the state, which stays in the process until the next one is made."""
+        before, self._saved = self._saved, int(self._ask("save"))
+        if before:
+            self._ask("free", number=before)
+        return self._saved, dict(self._found)
 
     def restore(self, state: tuple[int, dict[str, float]]) -> None:
         """Go back to a copy."""
         self._ask("restore", number=state[0])
         self._found = dict(state[1])
-
-    def free(self, state: tuple[int, dict[str, float]]) -> None:
-        """Forget a copy."""
-        self._ask("free", number=state[0])
 
     def serialize(self) -> str:
         """The state as text, which `deserialize` takes in any process with the same FMU."""

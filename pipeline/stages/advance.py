@@ -221,7 +221,10 @@ class Advancer:
             onward = "continues from there"
             if self.begins_again:
                 onward = f"begins again at t = 0: {self.begins_again}"
-            return Outcome.INTERRUPTED, f"{stop.signal_name} at t = {reached:.9g} s; the same command {onward}"
+            return (
+                Outcome.INTERRUPTED,
+                f"{stop.signal_name} at t = {reached:.9g} s; the same command {onward}",
+            )
         return Outcome.COMPLETED, ""
 
     def keep(self, times: NDArray[np.float64], records: NDArray[np.float64]) -> None:

@@ -1,7 +1,8 @@
-"""Cases with FMUs: a controller that is a spring and a damper, against the scene that has these itself; restart; bad ends."""
+"""Cases with FMUs: a controller that is a spring and a damper, against the closed form; restart; bad ends."""
 
 import math
 import re
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -97,7 +98,7 @@ def test_a_coupled_run_has_the_order_of_its_coupling(write, version, changes, or
     errors = [
         error(folder, f"fmus.0.sample_time={each}", "simulate.output_interval=40 ms") for each in INTERVALS
     ]
-    found = [math.log2(a / b) for a, b in zip(errors[:-1], errors[1:], strict=True)]
+    found = [math.log2(a / b) for a, b in pairwise(errors)]
     assert found == pytest.approx([order, order], abs=0.2), errors
 
 
@@ -133,11 +134,15 @@ def test_an_fmu_that_cannot_write_its_state_begins_again(write, monkeypatch):
 
     def short(self, stop, progress):
         stop.signal_name = "SIGTERM" if self.simulation.step_index else ""
-        return run(self, stop, lambda done, text: [progress(done, text), setattr(stop, "signal_name", "SIGTERM")])
+        return run(
+            self, stop, lambda done, text: [progress(done, text), setattr(stop, "signal_name", "SIGTERM")]
+        )
 
     monkeypatch.setattr(advance.Advancer, "run", short)
     report = run_case(case, stages=("simulate",))
-    assert report.message.endswith("the same command begins again at t = 0: FMU 'hold' cannot write its state")
+    assert report.message.endswith(
+        "the same command begins again at t = 0: FMU 'hold' cannot write its state"
+    )
     monkeypatch.setattr(advance.Advancer, "run", run)
     log = Log(quiet=True)
     monkeypatch.setattr(log, "say", lines.append)
@@ -183,14 +188,35 @@ def test_a_state_goes_on_in_another_instance(write):
 
 
 WRONG = {
-    "no multiple of the step": (('"20 ms"\nreads', '"20.5 ms"\nreads'), "fmus.0.sample_time: 0.0205 s is 20.5 times step = 0.001 s"),
-    "the run is no multiple": (('"20 ms"\nreads', '"30 ms"\nreads'), "fmus.0.sample_time: duration: 2 s is 66.6666667 times"),
-    "no such input": (('"push" }', '"pull" }'), "fmus.0.writes.force: there is no input 'pull'; expected one of: push"),
-    "no such channel": (("mass.velocity.x", "mass.speed.x"), "fmus.0.reads.v: .*'mass.speed.x' is unknown; expected a channel of 'mass': position"),
-    "several numbers": (("mass.velocity.x", "mass.velocity"), "fmus.0.reads.v: .*3 components; expected one of its"),
-    "another quantity": (("mass.velocity.x", "mass.position.y"), "fmus.0.reads.v: 'v' is in m/s, a velocity; expected a length"),
+    "no multiple of the step": (
+        ('"20 ms"\nreads', '"20.5 ms"\nreads'),
+        "fmus.0.sample_time: 0.0205 s is 20.5 times step = 0.001 s",
+    ),
+    "the run is no multiple": (
+        ('"20 ms"\nreads', '"30 ms"\nreads'),
+        "fmus.0.sample_time: duration: 2 s is 66.6666667 times",
+    ),
+    "no such input": (
+        ('"push" }', '"pull" }'),
+        "fmus.0.writes.force: there is no input 'pull'; expected one of: push",
+    ),
+    "no such channel": (
+        ("mass.velocity.x", "mass.speed.x"),
+        "fmus.0.reads.v: .*'mass.speed.x' is unknown; expected a channel of 'mass': position",
+    ),
+    "several numbers": (
+        ("mass.velocity.x", "mass.velocity"),
+        "fmus.0.reads.v: .*3 components; expected one of its",
+    ),
+    "another quantity": (
+        ("mass.velocity.x", "mass.position.y"),
+        "fmus.0.reads.v: 'v' is in m/s, a velocity; expected a length",
+    ),
     "no such variable": (("reads = { x", "reads = { y"), r"fmus.0.reads.y: pd.fmu has no variable 'y'"),
-    "another type": (("limit = 1e6", "limit = true"), r"fmus.0.parameters.limit: True for 'limit' of type Real"),
+    "another type": (
+        ("limit = 1e6", "limit = true"),
+        r"fmus.0.parameters.limit: True for 'limit' of type Real",
+    ),
     "no such file": (("pd.fmu", "pid.fmu"), r"fmus.0.file: file 'pid.fmu' does not exist"),
 }
 
