@@ -32,6 +32,7 @@ from heavylift.pipeline.commands.command_line import (
 )
 from heavylift.pipeline.commands.couple import COUPLE_COMMANDS
 from heavylift.pipeline.commands.exchange import EXCHANGE_COMMANDS
+from heavylift.pipeline.commands.fmu import FMU_COMMANDS
 from heavylift.pipeline.commands.page import PAGE_COMMANDS
 from heavylift.pipeline.commands.sea import SEA_COMMANDS, Seeds
 
@@ -280,7 +281,7 @@ def scenario(
     return guarded(command, quiet=quiet, json=json)
 
 
-for _command in (*PAGE_COMMANDS, *SEA_COMMANDS, *EXCHANGE_COMMANDS, *COUPLE_COMMANDS):
+for _command in (*PAGE_COMMANDS, *SEA_COMMANDS, *EXCHANGE_COMMANDS, *FMU_COMMANDS, *COUPLE_COMMANDS):
     app.command(_command)
 
 
