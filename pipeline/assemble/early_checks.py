@@ -129,6 +129,10 @@ def scene_errors(case: Case) -> list[InputError]:
 
         with scene.part("sea"):
             make_waves(case)
+    if case.fmus:
+        from heavylift.pipeline.coupling.fmus import check_fmu
+
+        scene.parts("fmus", lambda section: check_fmu(section, case.folder))
     if not scene.errors and _takes_time(case):
         _pack(scene, made, joints)
     return list({str(error): error for error in scene.errors}.values())

@@ -106,6 +106,7 @@ class Case(SceneTables, _CaseHeading):
             self._integrates_contacts,
             self._has_an_operation,
             self._plans_ballast,
+            self._exchanges,
             *(partial(self._has_a_run, name) for name in self.bodies),
             *(partial(self._has_axes, index) for index in range(len(self.relative_motions))),
         ]
@@ -292,6 +293,17 @@ class Case(SceneTables, _CaseHeading):
             from heavylift.pipeline.case.ballast import check_plan
 
             check_plan(self.ballast, self.tanks)
+
+    def _exchanges(self) -> None:
+        """FMUs have their places in the run, read channels that are recorded and write inputs that are there."""
+        if not self.fmus:
+            return
+        from heavylift.pipeline.case.fmus import check_fmus
+
+        check_fmus(self.fmus, self.simulate, [one.name for one in getattr(self, "inputs", ())])
+        for index, fmu in enumerate(self.fmus):
+            reads = {f"fmus.{index}.reads.{key}": f"channel.{name}.end" for key, name in fmu.reads.items()}
+            self._can_be_computed(reads)
 
     @property
     def begins_at_rest(self) -> bool:

@@ -479,6 +479,10 @@ class SceneTables(_EquippedScene):
         Table("Rope groups", "rope group"),
     ] = ()
     """Tensions of ropes that share a load."""
+    fmus: Annotated[
+        tuple[Annotated[Any, Later(f"{_HERE}.fmus", "FmuSection")], ...], Table("FMUs", "FMU", "apart")
+    ] = ()
+    """Functional mock-up units that run beside the scene."""
     scenario: Annotated[Any, Later(f"{_HERE}.scenario", "ScenarioSection")] | None = None
     """Phases of an operation."""
 

@@ -30,6 +30,7 @@ from heavylift.pipeline.commands.command_line import (
     print_json,
     print_lines,
 )
+from heavylift.pipeline.commands.exchange import EXCHANGE_COMMANDS
 from heavylift.pipeline.commands.page import PAGE_COMMANDS
 from heavylift.pipeline.commands.sea import SEA_COMMANDS, Seeds
 
@@ -278,7 +279,7 @@ def scenario(
     return guarded(command, quiet=quiet, json=json)
 
 
-for _command in (*PAGE_COMMANDS, *SEA_COMMANDS):
+for _command in (*PAGE_COMMANDS, *SEA_COMMANDS, *EXCHANGE_COMMANDS):
     app.command(_command)
 
 

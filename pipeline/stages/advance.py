@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
     from heavylift.pipeline.stages.operator_commands import OperatorCommands
 
-__all__ = ["Advancer", "StopRequest", "stop_requests"]
+__all__ = ["FIRST_PIECE", "Advancer", "StopRequest", "next_piece", "stop_requests"]
 
 PIECE_SECONDS = 0.2
 """Wall time of one call of the compiled loop, which nothing can interrupt."""
@@ -185,9 +185,7 @@ class Advancer:
         simulation = self.simulation
         simulation.stop_asked = stop.__bool__
         if not any(mark.records for mark in self.segments):
-            self._keep(
-                np.array([simulation.step_index * simulation.step]), simulation.record()[np.newaxis, :]
-            )
+            self.keep(np.array([simulation.step_index * simulation.step]), simulation.record()[np.newaxis, :])
         piece, growth = (1, FIRST_PIECE) if self.adaptive else (FIRST_PIECE, 4)
         flushed, wait = time.monotonic(), min(FIRST_SEGMENT_SECONDS, SEGMENT_SECONDS)
         while (
@@ -201,16 +199,16 @@ class Advancer:
             if self.commands is not None:
                 at = simulation.step_index
                 last = min(last, self.commands.take(at, at * simulation.step) or last)
-            self._keep(*simulation.advance(min(piece, last - simulation.step_index)))
+            self.keep(*simulation.advance(min(piece, last - simulation.step_index)))
             now = time.monotonic()
-            piece = _next_piece(piece, now - begin, growth)
+            piece = next_piece(piece, now - begin, growth)
             if now - flushed > wait or sum(r.nbytes for r in self._records) > SEGMENT_BYTES:
-                self._write()
+                self.write()
                 flushed = time.monotonic()
                 wait = min(SEGMENT_SECONDS, max(2.0 * wait, (flushed - now) / WRITING_SHARE))
             done = simulation.step_index
             progress(done, f"t = {done * simulation.step:.4g} s")
-        self._write()
+        self.write()
         if simulation.outcome is not Outcome.COMPLETED:
             return simulation.outcome, simulation.message
         if simulation.step_index < self.step_count and not simulation.ended:
@@ -221,12 +219,13 @@ class Advancer:
             )
         return Outcome.COMPLETED, ""
 
-    def _keep(self, times: NDArray[np.float64], records: NDArray[np.float64]) -> None:
+    def keep(self, times: NDArray[np.float64], records: NDArray[np.float64]) -> None:
+        """Take records for the next segment."""
         if len(times):
             self._times.append(times)
             self._records.append(records)
 
-    def _write(self) -> None:
+    def write(self) -> None:
         """Write what is in memory as the next segment."""
         simulation = self.simulation
         if simulation.step_index == self._written_steps and not self._times:
@@ -263,6 +262,6 @@ class Advancer:
         self._records.clear()
 
 
-def _next_piece(piece: int, seconds: float, growth: float = 4.0) -> int:
+def next_piece(piece: int, seconds: float, growth: float = 4.0) -> int:
     """Steps of the next piece, so that it takes about `PIECE_SECONDS`; at most `growth` times as many."""
     return max(1, int(piece * min(growth, PIECE_SECONDS / max(seconds, 1e-6))))

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from heavylift.numerics.memory import amount_of_bytes
 from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.pipeline.results.histories import ChannelInfo, merge_segments, remove_segments
-from heavylift.pipeline.results.mesh_results import mesh_shape, save_meshes
+from heavylift.pipeline.results.mesh_results import save_meshes
 from heavylift.pipeline.results.provenance import simulate_digest, source_digest, versions
 from heavylift.pipeline.results.storage import StopError, read_json, stored, unchanged, write_json
 from heavylift.pipeline.stages.advance import Advancer, stop_requests
@@ -29,9 +29,11 @@ if TYPE_CHECKING:
     from heavylift.solver.simulation import Simulation
 
 __all__ = [
+    "conclude",
     "diagnosis",
     "diagnosis_lines",
     "operation_log",
+    "provenance",
     "simulate_stage",
     "steps_taken",
 ]
@@ -137,6 +139,19 @@ def simulate_stage(work: Work) -> StageReport:
     return _simulate(work, digest, cut_off=cut_off)
 
 
+def provenance(scene: Scene, simulation: Simulation, log: Log) -> dict[str, Any]:
+    """What the manifest says of a run before it begins: diagnosis, sea, and where transporters tip over."""
+    about = diagnosis(simulation)
+    if scene.sea is not None:
+        from heavylift.pipeline.assemble.sea import sea_provenance
+
+        sea = sea_provenance(scene.sea)
+        about |= {"sea": sea} if sea else {}
+    if scene.transporters:
+        about |= {"tipping": _tipping(scene, log)}
+    return about
+
+
 def _tipping(scene: Any, log: Log) -> dict[str, dict[str, float]]:
     """Tilts at which transporters tip over [rad], reported before they move."""
     from heavylift.solver.transport.packing import vehicle_tipping
@@ -165,59 +180,24 @@ def _says_all(manifest: Mapping[str, Any]) -> bool:
 
 def _simulate(work: Work, digest: str, *, cut_off: bool) -> StageReport:
     """Simulate; `cut_off` tells that an earlier run in this folder had begun and did not end."""
-    from heavylift.pipeline.assemble.collisions import collision_notes
-    from heavylift.pipeline.assemble.scene import assemble_scene
     from heavylift.pipeline.case.places import in_case
-    from heavylift.solver.simulation import AT_REST, Simulation
+    from heavylift.pipeline.stages.prepared import compile_parts, prepare_run
 
     section, folder, log = work.case.simulate, work.folder, work.log
     assert section is not None
     old_words = words_there(folder.root)
-    scene = assemble_scene(work.case, folder)
-    if any(getattr(body, "stress", None) for body in work.case.bodies.values()):
-        from heavylift.pipeline.checks.body_stress import check_stress_tables
-
-        check_stress_tables(work.case, folder)
-    for note in collision_notes(work.case):
-        log.say(f"simulate: {note}")
-    if work.case.databases and section.start not in AT_REST:  # an equilibrium tells it better
-        from heavylift.pipeline.assemble.afloat import draught_notes
-
-        for note in draught_notes(work.case, scene):
-            log.say(f"simulate: NOTE: {note}")
-    meshes = [mesh_shape(body) for body in scene.bodies if body.SHAPE]
-    options: dict[str, Any] = {"record_every": section.record_every}
-    if section.solver_tolerance is not None:
-        options["tolerance"] = section.solver_tolerance
-    if section.start != "check":
-        options["start"] = section.start
-    if section.start in AT_REST:
-        from heavylift.pipeline.results.kept_start import KeptStart
-
-        options["starts"] = KeptStart(folder.start)
-    with in_case(work.case):
-        simulation = Simulation(scene, section.solver_step, section.integrator, **options)
+    scene, simulation, meshes = prepare_run(work.case, folder, log)
     _refuse_beyond_disk(work, simulation)
-    if simulation.operation is not None:
-        _check_plan(work, scene, simulation.operation)
     with contextlib.suppress(FileNotFoundError):
         folder.results.unlink()  # from here on it would belong to other inputs
     save_meshes(folder.meshes, meshes)
     # before compiling, which may take long: a kill from here on leaves word that a run had begun
     _write_manifest(work, digest, "unfinished", "", finished=False, details={})
-    compile_s = _compile(simulation, log)
+    compile_s = compile_parts(simulation, log)
     with in_case(work.case):
         simulation.warm_up()
     compile_s += simulation.compile_seconds
-    about = diagnosis(simulation)
-    sea: dict[str, Any] = {}
-    if scene.sea is not None:
-        from heavylift.pipeline.assemble.sea import sea_provenance
-
-        sea = sea_provenance(scene.sea)
-    about |= {"sea": sea} if sea else {}
-    if scene.transporters:
-        about |= {"tipping": _tipping(scene, log)}
+    about = provenance(scene, simulation, log)
     for line in diagnosis_lines(about):
         log.say(f"simulate: {line}")
     # of the simulation, not of the case: an integrator that was chosen may take its steps itself
@@ -239,18 +219,59 @@ def _simulate(work: Work, digest: str, *, cut_off: bool) -> StageReport:
     try:
         with stop_requests() as stop, log.progress("simulate", count, done) as progress:
             outcome, message = advancer.run(stop, progress)
-        if outcome is Outcome.COMPLETED:
-            outcome, message = simulation.verdict
-        about["warning"] = simulation.warning
-        if simulation.operation is not None:
-            about |= {"scenario": operation_log(simulation.operation)}
-        finished = outcome is not Outcome.INTERRUPTED
-        if finished:
-            results = _merge(work, simulation, advancer.segments, digest, outcome, message, about, meshes)
+        return conclude(
+            work, simulation, advancer.segments, digest, outcome, message, about, meshes, compile_s
+        )
     except StopError as error:
         with contextlib.suppress(StopError):
             _write_manifest(work, digest, error.outcome.name.lower(), str(error), finished=False, details={})
         raise
+
+
+def conclude(
+    work: Work,
+    simulation: Simulation,
+    segments: Sequence[SegmentMark],
+    digest: str,
+    outcome: Outcome,
+    message: str,
+    about: dict[str, Any],
+    meshes: list[MeshShape],
+    compile_s: float,
+) -> StageReport:
+    """End a run whose segments are on disk: merge them unless it was interrupted, and say in the manifest how it ended.
+
+    Parameters
+    ----------
+    work
+        Case, folder and log.
+    simulation
+        That has run.
+    segments, digest
+        Its segments, and the digest of its inputs.
+    outcome, message
+        How its steps ended.
+    about
+        What the manifest is to say beside, see `diagnosis`; completed here.
+    meshes
+        Shapes of frames and shells.
+    compile_s
+        CPU time of compiling [s].
+
+    Raises
+    ------
+    StopError
+        If the disk is full.
+    """
+    folder, log = work.folder, work.log
+    if outcome is Outcome.COMPLETED:
+        outcome, message = simulation.verdict
+    about["warning"] = simulation.warning
+    if simulation.operation is not None:
+        about |= {"scenario": operation_log(simulation.operation)}
+    finished = outcome is not Outcome.INTERRUPTED
+    if finished:
+        results = _merge(work, simulation, segments, digest, outcome, message, about, meshes)
     for event in simulation.operation.log if simulation.operation is not None else ():
         log.say(f"simulate: {event.text}")
     steps = steps_taken(simulation)
@@ -281,15 +302,6 @@ def _simulate(work: Work, digest: str, *, cut_off: bool) -> StageReport:
     )
 
 
-def _check_plan(work: Work, scene: Scene, operation: Operation) -> None:
-    """Refuse an operation that is certain to fail."""
-    from heavylift.pipeline.assemble.operation_plan import check_hooks, check_plan, plan, routes_of, starts_of
-
-    starts = starts_of(scene, operation)
-    check_plan(work.case, plan(operation.scenario, starts, routes_of(scene, operation)), starts)
-    check_hooks(work.case, scene)
-
-
 def _refuse_beyond_disk(work: Work, simulation: Simulation) -> None:
     """Refuse histories that the disk cannot hold: segments while they grow, and the file that they are merged into."""
     section = work.case.simulate
@@ -305,28 +317,6 @@ def _refuse_beyond_disk(work: Work, simulation: Simulation) -> None:
         key="simulate.output_interval",
         expected=f"a longer interval or a shorter duration: {amount_of_bytes(free)} of {work.folder.root} are free",
     )
-
-
-def _compile(simulation: Simulation, log: Log) -> float:
-    """Compile what no run before has, and say so; returns the CPU time of all processes [s]."""
-    missing = simulation.missing_units()
-    if not missing:
-        return 0.0
-    from heavylift.solver.compiling import compile_units
-
-    names = ", ".join(
-        sorted({unit.name.partition(".")[0] if unit.owner[2] else "the time loop" for unit in missing})
-    )
-    log.say(f"simulate: compiling {len(missing)} parts that are used for the first time: {names}")
-    spent: list[float] = []
-    with log.progress("compile", len(missing)) as progress:
-
-        def tell(name: str, seconds: float) -> None:
-            spent.append(seconds)
-            progress(len(spent), name)
-
-        compile_units(missing, tell)
-    return sum(spent)
 
 
 def _words(details: dict[str, Any]) -> str:

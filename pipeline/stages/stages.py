@@ -50,6 +50,7 @@ __all__ = [
     "STAGES",
     "RunReport",
     "load_changed_case",
+    "make_parts",
     "run_case",
 ]
 
@@ -230,6 +231,30 @@ def _check_scene(work: Work, stages: Sequence[str]) -> str:
     if errors:
         raise errors[0] if len(errors) == 1 else InputErrors(errors)
     return digest
+
+
+def make_parts(case: Case, folder: OutputFolder) -> None:
+    """Make what a simulation needs from an output folder: meshes, modes, surfaces and databases that are not current.
+
+    A case without any leaves no file there; it is seen that it fits together.
+
+    Raises
+    ------
+    InputError
+        Bad input.
+    StopError
+        If a stage stops.
+    """
+    if case.surfaces or case.databases or any(body.BODY.MODAL for body in case.bodies.values()):
+        report = run_case(case, out=folder.root, stages=("mesh", "modes"))
+        if report.outcome is not Outcome.COMPLETED:
+            raise StopError(report.outcome, report.message)
+        return
+    from heavylift.pipeline.assemble.early_checks import scene_errors
+
+    errors = scene_errors(case)
+    if errors:
+        raise errors[0] if len(errors) == 1 else InputErrors(errors)
 
 
 def _check_folder(folder: OutputFolder) -> None:

@@ -262,7 +262,7 @@ def _in_child(
         piece = max(1, reference.steps // 30)
         advance.SEGMENT_SECONDS = 0.0
         advance.FIRST_PIECE = piece
-        advance._next_piece = lambda *_arguments: piece
+        advance.next_piece = lambda *_arguments: piece
     with _watched(reference.case / "out", operation) as seen:
         code = _call(reference, command)
     if note is not None:

@@ -122,7 +122,7 @@ def test_an_interrupted_operation_goes_on(phases, monkeypatch):
     run_case(load_case(phases), stages=("simulate",))
     whole = load_results(phases)
     monkeypatch.setattr(advance, "FIRST_PIECE", 7)
-    monkeypatch.setattr(advance, "_next_piece", lambda *_: 7)
+    monkeypatch.setattr(advance, "next_piece", lambda *_: 7)
     monkeypatch.setattr(advance, "SEGMENT_SECONDS", 0.0)
     run_case(load_case(phases), stages=("simulate",), force=("simulate",))
     pieces = load_results(phases)

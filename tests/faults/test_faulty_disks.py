@@ -43,7 +43,7 @@ def often(monkeypatch):
     """A segment every 500 steps."""
     monkeypatch.setattr(advance, "SEGMENT_SECONDS", 0.0)
     monkeypatch.setattr(advance, "FIRST_PIECE", 500)
-    monkeypatch.setattr(advance, "_next_piece", lambda _piece, _seconds, _growth: 500)
+    monkeypatch.setattr(advance, "next_piece", lambda _piece, _seconds, _growth: 500)
 
 
 def same(found, reference):
@@ -196,7 +196,7 @@ import resource, sys
 from heavylift.pipeline.stages import advance
 advance.SEGMENT_SECONDS = 0.0
 advance.FIRST_PIECE = 500
-advance._next_piece = lambda piece, seconds, growth: 500
+advance.next_piece = lambda piece, seconds, growth: 500
 from heavylift.pipeline.commands.start import main
 limit = int(sys.argv.pop(1))
 resource.setrlimit(resource.RLIMIT_FSIZE, (limit, resource.RLIM_INFINITY))
@@ -352,7 +352,7 @@ def test_short_runs_have_checkpoints(heavylift, small_case, monkeypatch):
         return real(self, steps)
 
     monkeypatch.setattr(Simulation, "advance", slow)
-    monkeypatch.setattr(advance, "_next_piece", lambda _piece, _seconds, _growth: 300)
+    monkeypatch.setattr(advance, "next_piece", lambda _piece, _seconds, _growth: 300)
     assert heavylift("simulate", small_case, *SHORT).code == 0
     assert max(count for at, count in seen if at < 1.5) >= 1
     assert max(count for _, count in seen) <= 5  # and no more than they are worth

@@ -24,7 +24,7 @@ import time
 from heavylift.pipeline.stages import advance
 advance.SEGMENT_SECONDS = 0.0
 advance.FIRST_PIECE = 500
-advance._next_piece = lambda piece, seconds, growth: 500
+advance.next_piece = lambda piece, seconds, growth: 500
 from heavylift.solver.simulation import Simulation
 real = Simulation.advance
 def slow(self, steps):
@@ -147,7 +147,7 @@ def test_a_full_disk_while_simulating(heavylift, small_case, reference, monkeypa
     from heavylift.pipeline.stages import advance
 
     monkeypatch.setattr(advance, "SEGMENT_SECONDS", 0.0)
-    monkeypatch.setattr(advance, "_next_piece", lambda _piece, _seconds, _growth: 500)
+    monkeypatch.setattr(advance, "next_piece", lambda _piece, _seconds, _growth: 500)
     assert heavylift("modes", small_case, "--quiet").code == 0
     real, written = np.savez, []
 

@@ -248,7 +248,7 @@ def histories(name, stop):
 
 
 advance.SEGMENT_SECONDS, advance.FIRST_PIECE = 0.0, 9
-advance._next_piece = lambda piece, seconds, growth: 11
+advance.next_piece = lambda piece, seconds, growth: 11
 scene = assemble_scene(load_case(case, ["bodies.load.initial.velocity=[0.5, 0, 0]"]), OutputFolder(out))
 _, _, whole = histories("whole", advance.StopRequest())
 _, outcome, part = histories("stopped", Soon())

@@ -15,7 +15,7 @@ from heavylift.pipeline.stages import advance
 from heavylift.pipeline.stages.advance import Advancer, StopRequest
 
 STEPS = 303
-next_piece = advance._next_piece
+next_piece = advance.next_piece
 
 
 def quiet(_done, _note):
@@ -31,7 +31,7 @@ def history(folder):
 def many_segments(monkeypatch):
     monkeypatch.setattr(advance, "SEGMENT_SECONDS", 0.0)
     monkeypatch.setattr(advance, "FIRST_PIECE", 17)
-    monkeypatch.setattr(advance, "_next_piece", lambda _piece, _seconds, _growth: 31)
+    monkeypatch.setattr(advance, "next_piece", lambda _piece, _seconds, _growth: 31)
 
 
 @pytest.fixture

@@ -91,7 +91,7 @@ def test_a_stopped_run_goes_on_from_the_same_rest(found, monkeypatch):
 
     with monkeypatch.context() as patched:
         patched.setattr(advance, "FIRST_PIECE", 10)
-        patched.setattr(advance, "_next_piece", lambda _piece, _seconds, _growth: 10)
+        patched.setattr(advance, "next_piece", lambda _piece, _seconds, _growth: 10)
         patched.setattr(simulate, "stop_requests", lambda: contextlib.nullcontext(Later("SIGTERM")))
         report = run_case(found, stages=("simulate",), force=("simulate",))
     assert report.outcome is Outcome.INTERRUPTED

@@ -46,7 +46,7 @@ def told(folder: Path, monkeypatch: pytest.MonkeyPatch, words: dict[int, str], s
             raise KeyboardInterrupt
         return 40
 
-    monkeypatch.setattr(advance, "_next_piece", next_piece)
+    monkeypatch.setattr(advance, "next_piece", next_piece)
     monkeypatch.setattr(advance, "FIRST_PIECE", 40)
     monkeypatch.setattr(advance, "FIRST_SEGMENT_SECONDS", 0.0)
     monkeypatch.setattr(advance, "SEGMENT_SECONDS", 0.0)

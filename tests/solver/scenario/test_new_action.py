@@ -180,7 +180,7 @@ def until_killed(simulation, steps):
 
 
 advance.FIRST_PIECE, advance.SEGMENT_SECONDS = 7, 0.0
-advance._next_piece = lambda *_: 7
+advance.next_piece = lambda *_: 7
 whole_advance, Simulation.advance = Simulation.advance, until_killed
 try:
     run_case(case, stages=("simulate",), force=("simulate",))

@@ -1,0 +1,1 @@
+"""Systems that advance side by side and exchange inputs and outputs: scenes, and functional mock-up units of others."""

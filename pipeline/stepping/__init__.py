@@ -1,0 +1,1 @@
+"""A case that someone else advances: inputs, steps, outputs, states, copies."""
