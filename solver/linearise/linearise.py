@@ -417,12 +417,14 @@ class _Probe:
         shapes, participation = {}, {}
         for number, name in enumerate(self._layout.body_names):
             first, width = int(self._places[number, 0]), int(widths[number])
-            moved = C[positions[name]] @ z if name in positions else np.zeros((3, z.shape[1]))
-            ends, turned = [first, first, first, first + width], np.zeros((3, z.shape[1]))
+            moved = turned = np.zeros((3, z.shape[1]), dtype=np.complex128)
+            ends = [first, first, first, first + width]
+            if name in positions:
+                moved = C[positions[name]] @ z
             if first in spins:
                 ends[1:3] = first + 3, first + 6
                 turned = rotation_matrix(self._places[number, 4:8]) @ U[first + 3 : first + 6]
-            shapes[name] = BodyShape(moved.T.astype(np.complex128), turned.T.astype(np.complex128))
+            shapes[name] = BodyShape(moved.T, turned.T)
             participation[name] = np.array([energy[i:j].sum(axis=0) for i, j in pairwise(ends)]).T
         return shapes, participation
 

@@ -59,7 +59,7 @@ def _reasons(scene: Scene) -> Iterator[str]:
     for radiation in () if scene.sea is None else scene.sea.radiation:
         if radiation.memory == "direct":
             yield (
-                f"the memory of {radiation.bodies[0]!r} is a convolution over the past, where 'exponentials' have states"
+                f"the memory of {radiation.bodies[0]!r} is a convolution over the past: take 'exponentials'"
             )
     for one in (*scene.ropes, *scene.forces):
         if reason := getattr(one, "NOT_LINEAR", ""):
