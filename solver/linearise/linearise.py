@@ -168,7 +168,7 @@ def _output_columns(simulation: Simulation, names: Sequence[str] | None) -> _Col
     whole: dict[str, list[str]] = {}
     for channel in simulation.channels:
         for k, component in enumerate(channel.components):
-            name = f"{channel.name}.{component}" if component else channel.name
+            name = f"{channel.name}.{component}" if len(channel.components) > 1 else channel.name
             every[name] = channel.unit, channel.column + k
             whole.setdefault(channel.name, []).append(name)
     chosen: list[str] = []
