@@ -13,15 +13,19 @@ from cyclopts import App
 from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.pipeline.commands.command_line import (
     Animate,
+    At,
     CaseArgument,
     CasesArgument,
+    Count,
     Export,
     Force,
+    Inputs,
     Json,
     KindNames,
     NewFolder,
     NewKind,
     Out,
+    Outputs,
     Quiet,
     SendCommand,
     Set,
@@ -272,6 +276,36 @@ def scenario(
         from heavylift.pipeline.commands.scenario import scenario_command
 
         document, words = scenario_command(case, out=out, overrides=set_, log=log)
+        if json:
+            print_json(document)
+        elif not quiet:
+            print_lines(words)
+        return 0
+
+    return guarded(command, quiet=quiet, json=json)
+
+
+@app.command
+def eigen(
+    case: CaseArgument,
+    *,
+    at: At = "start",
+    count: Count = None,
+    input_: Inputs = (),
+    output: Outputs = (),
+    out: Out = None,
+    set_: Set = (),
+    quiet: Quiet = False,
+    json: Json = False,
+) -> int:
+    """Frequencies, damping and shapes of small motions about a state of the whole scene, and its linear system."""
+
+    def command(log: "Log") -> int:
+        from heavylift.pipeline.commands.eigen import eigen_command
+
+        document, words = eigen_command(
+            case, out=out, overrides=set_, at=at, inputs=input_ or None, outputs=output, count=count, log=log
+        )
         if json:
             print_json(document)
         elif not quiet:
