@@ -28,6 +28,7 @@ GUIDES = (
     "rigging.md",
     "equipment.md",
     "blocks.md",
+    "coupling.md",
     "criteria.md",
     "editor.md",
     "benchmarks.md",
@@ -35,6 +36,7 @@ GUIDES = (
     "glossary.md",
     "inputs.md",
     "inside.md",
+    "interface.md",
     "python.md",
     "transport.md",
 )
