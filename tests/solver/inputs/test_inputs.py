@@ -148,9 +148,11 @@ def test_a_length_of_a_rope_moves_and_is_held() -> None:
     np.testing.assert_allclose(value, rest, rtol=1e-12)
 
 
-def test_a_run_ends_before_a_rope_is_used_up() -> None:
-    """Two steps before; what was computed stays, and nothing can be set behind it."""
-    simulation = Simulation(hoist(inputs=(WinchSpeedInput(name="haul", rope="hoist", value=4.0),)), 0.01)
+@pytest.mark.parametrize("integrator", ["dele2", "accurate"])
+def test_a_run_ends_before_a_rope_is_used_up(integrator: str) -> None:
+    """Two steps before; what was computed stays, and nothing can be set behind it. No step tries what comes then."""
+    scene = hoist(inputs=(WinchSpeedInput(name="haul", rope="hoist", value=4.0),))
+    simulation = Simulation(scene, 0.01, integrator)
     times, records = simulation.advance(1000)
     assert simulation.outcome is Outcome.LIMIT_REACHED
     np.testing.assert_allclose(times[-1], 10.0 / 4.0 - 2 * 0.01, rtol=1e-12)
