@@ -150,7 +150,7 @@ def test_a_length_of_a_rope_moves_and_is_held() -> None:
 
 @pytest.mark.parametrize("integrator", ["dele2", "accurate"])
 def test_a_run_ends_before_a_rope_is_used_up(integrator: str) -> None:
-    """Two steps before; what was computed stays, and nothing can be set behind it. No step tries what comes then."""
+    """Two steps before; what was computed stays, and nothing can be set behind it."""
     scene = hoist(inputs=(WinchSpeedInput(name="haul", rope="hoist", value=4.0),))
     simulation = Simulation(scene, 0.01, integrator)
     times, records = simulation.advance(1000)
@@ -160,6 +160,19 @@ def test_a_run_ends_before_a_rope_is_used_up(integrator: str) -> None:
     assert simulation.message == "stopped at t = 2.48 s: the winch of 'hoist' has hauled in the whole rope"
     with pytest.raises(InputError, match="the run has ended"):
         simulation.set_input("haul", 0.0)
+
+
+def test_no_step_of_the_accurate_integrator_goes_beyond_the_end_of_a_rope() -> None:
+    """With a rope that is slack its steps are long, and there is no rope behind them."""
+    simulation = Simulation(
+        hoist(inputs=(WinchSpeedInput(name="haul", rope="hoist"), PUSH)), 0.02, "accurate"
+    )
+    simulation.set_input("haul", 12.0)
+    simulation.advance(10)
+    simulation.set_input("push", 1e-3)
+    _, records = simulation.advance(100)
+    assert simulation.outcome is Outcome.LIMIT_REACHED
+    assert np.all(np.isfinite(records))
 
 
 STIFFNESS, OMEGA, END = 800.0, 3.0, 1.6
