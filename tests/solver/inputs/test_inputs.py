@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import subprocess
+import sys
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -234,6 +236,34 @@ def test_a_state_goes_on_elsewhere_with_its_inputs(integrator: str, tmp_path: Pa
     other.restore(state)
     assert other.inputs.value("push") == pytest.approx((3.0, 10.0))
     np.testing.assert_array_equal(driven(other, {3: ("push", -2.0)}, 20), expected)
+
+
+ELSEWHERE = """
+import sys
+import numpy as np
+sys.path.insert(0, sys.argv[1])
+from input_scenes import hoist
+from heavylift.solver.inputs.winches import WinchSpeedInput
+from heavylift.solver.simulation import Simulation
+simulation = Simulation(hoist(inputs=(WinchSpeedInput(name="haul", rope="hoist"),)), 0.01, sys.argv[2])
+with np.load("state.npz") as saved:
+    simulation.restore(dict(saved))
+np.save("records.npy", simulation.advance(20)[1])
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("integrator", ["dele2", "accurate"])
+def test_a_state_goes_on_in_another_process(integrator: str, tmp_path: Path) -> None:
+    """In the middle of a ramp of a winch that this process set."""
+    simulation = Simulation(hoist(inputs=(WinchSpeedInput(name="haul", rope="hoist"),)), 0.01, integrator)
+    simulation.advance(3)
+    simulation.set_input("haul", 0.1, 1.0, 0.15)
+    simulation.advance(7)
+    np.savez(tmp_path / "state.npz", **simulation.state())
+    folder = str(Path(__file__).resolve().parents[1])
+    subprocess.run([sys.executable, "-c", ELSEWHERE, folder, integrator], cwd=tmp_path, check=True)
+    np.testing.assert_array_equal(np.load(tmp_path / "records.npy"), simulation.advance(20)[1])
 
 
 def test_a_step_with_a_tolerance_ends_where_an_input_stops_to_change() -> None:
