@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple, Self, get_
 
 from pydantic import ValidationError
 
-from heavylift.numerics.outcome import InputError
+from heavylift.numerics.outcome import InputError, InputErrors
 from heavylift.numerics.words import nearest
 from heavylift.pipeline.case.case_file import ASKING, Case
 from heavylift.pipeline.case.errors import input_errors, is_chosen, known_keys, sections_in
@@ -30,32 +30,15 @@ from heavylift.pipeline.model.words import docstring, words_of
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
-__all__ = ["TABLES_OF_CASE", "CaseTable", "Component", "ModelErrors", "component_class", "component_names"]
+__all__ = ["TABLES_OF_CASE", "CaseTable", "Component", "component_class", "component_names"]
 
 _OWN_KEYS = {"title", "sources", "parameters"}
 """Keys of a case that are no tables."""
 
 
-class ModelErrors(InputError):
-    """Everything that is wrong with a model, one line each.
-
-    Attributes
-    ----------
-    errors
-        Each with its ``source`` (line of the program, or file), ``key``, ``problem`` and ``expected``.
-    """
-
-    def __init__(self, errors: list[InputError]) -> None:
-        super().__init__("")
-        self.errors = errors
-
-    def __str__(self) -> str:
-        return "\n".join(map(str, self.errors))
-
-
 def raised(errors: list[InputError]) -> InputError:
     """One error as it is, or all of several."""
-    return errors[0] if len(errors) == 1 else ModelErrors(errors)
+    return errors[0] if len(errors) == 1 else InputErrors(errors)
 
 
 class CaseTable(NamedTuple):

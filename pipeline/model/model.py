@@ -77,6 +77,7 @@ class Model:
         self._made_at = line_of_program()
         # components that the program holds, by the identity of their tables, which they keep alive
         self._held: dict[int, Component] = {}
+        self._taken: dict[tuple[str, str], tuple[str, dict[str, Any]]] | None = None
 
     @property
     def title(self) -> str:
@@ -151,6 +152,8 @@ class Model:
             self._document.setdefault(table.key, []).append(row)
         object.__setattr__(component, "_model", self)
         self._held[id(row)] = component
+        if name is not None:
+            self._names()["" if table.shares else table.key, name] = (table.key, row)
         return component
 
     def _refuse_taken(self, component: Component, table: CaseTable, name: str | None) -> None:
@@ -164,14 +167,25 @@ class Model:
                     )
                 )
             return
-        for other, key, row in self._entries():
-            if name is not None and key == name and (other is table or (other.shares and table.shares)):
-                raise component._told(  # noqa: SLF001
-                    InputError(
-                        f"{name!r} is the name of a {class_of_row(other.key, row).__name__} already{self._where(row)}",
-                        expected="another name",
-                    )
+        taken = self._names().get(("" if table.shares else table.key, name or ""))
+        if taken is not None:
+            key, row = taken
+            raise component._told(  # noqa: SLF001
+                InputError(
+                    f"{name!r} is the name of a {class_of_row(key, row).__name__} already{self._where(row)}",
+                    expected="another name",
                 )
+            )
+
+    def _names(self) -> dict[tuple[str, str], tuple[str, dict[str, Any]]]:
+        """Tables by their names: in a space that many share, or by the key of their table."""
+        if self._taken is None:
+            self._taken = {
+                ("" if table.shares else table.key, name): (table.key, row)
+                for table, name, row in self._entries()
+                if name is not None
+            }
+        return self._taken
 
     def _where(self, row: Mapping[str, Any]) -> str:
         """Where the component of a table was made, in words."""
@@ -279,6 +293,7 @@ class Model:
         if table.form != "single" and not content:
             del self._document[table.key]
         object.__setattr__(found, "_model", None)
+        self._taken = None
         return found
 
     def rename(self, name: str, new: str) -> Component:
@@ -308,6 +323,7 @@ class Model:
         trial._rename(table, own, new)  # noqa: SLF001
         trial.case()
         self._rename(table, own, new)
+        self._taken = None
         return self[self._path(table, new)]
 
     def _rename(self, table: CaseTable, old: str, new: str) -> None:
@@ -372,6 +388,7 @@ class Model:
         places = assign(trial, keys, given, Case, f"{source}: Model.set").split(".")
         self._check_entry(trial, places, source)
         assign(self._document, keys, given, Case, source)
+        self._taken = None
 
     @staticmethod
     def _check_entry(document: Mapping[str, Any], places: Sequence[str], source: str) -> None:
