@@ -416,16 +416,15 @@ class Model:
 
     def copy(self) -> Model:
         """An independent model with the same content."""
-        made, memo = Model(self.title), dict[int, Any]()
-        made._document = copy.deepcopy(self._document, memo)
-        made._file, made._text, made._made_at = self._file, self._text, self._made_at
-        for component in self._held.values():
-            row = memo.get(id(component._row))  # noqa: SLF001
-            if isinstance(row, dict):
-                other = component._copied(row)  # noqa: SLF001
-                object.__setattr__(other, "_model", made)
-                made._held[id(row)] = other
-        return made
+        return copy.deepcopy(self)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """What copies and pickles are made of: identities are others there."""
+        return {**self.__dict__, "_held": list(self._held.values()), "_taken": None}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        held = {id(one._row): one for one in state["_held"]}  # noqa: SLF001
+        self.__dict__.update({**state, "_held": held})
 
     def case(self) -> Case:
         """The case that it is, checked as one that is read from a file.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 import re
 import tomllib
 from pathlib import Path
@@ -308,3 +309,13 @@ def test_what_equipment_writes_is_renamed_with_it():
     assert list(case.hulls) == ["barge"]
     assert case.criteria[0].reach.tip.body == "lifter_boom"
     assert "lifter_hook_1_rope" in {rope.name for rope in case.ropes}
+
+
+def test_a_model_goes_through_a_pickle_with_its_components():
+    model = pendulum()
+    other = pickle.loads(pickle.dumps(model))  # noqa: S301
+    assert other.document == model.document
+    assert type(other["line"]) is hl.Rope
+    other["line"].length = "5 m"
+    assert (other.case().ropes[0].length, model["line"].length) == (5.0, "4 m")
+    assert "test_model.py:" in message(lambda: other.add(hl.Sensor("line", body="bob", point=[0, 0, 0])))
