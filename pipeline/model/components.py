@@ -157,7 +157,8 @@ class Component(metaclass=_ComponentClass):
                     InputError("is missing", key="name", expected="a name as the first argument")
                 )
         row.clear()
-        row.update({**words_of(cls.SECTION, needed=True), **given})
+        first = {label: given[label]} if label in given else {}
+        row.update({**first, **words_of(cls.SECTION, needed=True), **given})
         self._check()
 
     def _take_name(self, name: object, label: str, keys: Mapping[str, Any]) -> None:
