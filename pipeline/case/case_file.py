@@ -323,10 +323,15 @@ class Case(SceneTables, _CaseHeading):
             return
         from heavylift.pipeline.case.fmus import check_fmus
 
-        check_fmus(self.fmus, self.simulate, [one.name for one in getattr(self, "inputs", ())])
+        check_fmus(self.fmus, self.simulate, [one.name for one in self.inputs])
         for index, fmu in enumerate(self.fmus):
-            reads = {f"fmus.{index}.reads.{key}": f"channel.{name}.end" for key, name in fmu.reads.items()}
-            self._can_be_computed(reads)
+            for variable, name in fmu.reads.items():
+                key, quantity = f"fmus.{index}.reads.{variable}", f"channel.{name}.end"
+                try:
+                    self._can_be_computed({key: quantity})
+                except InputError as error:
+                    problem = error.problem.replace(quantity, name).replace("quantity", "channel")
+                    reject(problem, error.expected, key=key)
 
     @property
     def begins_at_rest(self) -> bool:

@@ -9,6 +9,7 @@
 from __future__ import annotations
 
 import contextlib
+import math
 import os
 import socket
 import subprocess
@@ -123,7 +124,7 @@ class RemoteSimulation:
         library = msgpack_library()
         self._library, self._pack = library, library.Packer(autoreset=True).pack
         self._connection, self._name, self._child = connection, name, child
-        self._number = 0
+        self._number, self._incoming = 0, b""
         self.time, self.ended = 0.0, False
         self._unused: list[int] = []
         self._values: dict[str, Any] = {}
@@ -151,7 +152,7 @@ class RemoteSimulation:
         """What may be read."""
         return self._described
 
-    def set(self, name: str, value: float, *, rate: float = 0.0) -> None:
+    def set(self, name: str, value: float, *, rate: float = 0.0, until: float = math.inf) -> None:
         """Drive an input from now on.
 
         Parameters
@@ -160,13 +161,15 @@ class RemoteSimulation:
             Of the input.
         value, rate
             Now, and its change in a second; SI.
+        until
+            Time from which on it is held [s].
 
         Raises
         ------
         InputError
             If there is no such input, or the value is not possible; nothing has changed then.
         """
-        self._changed(self._ask("set", inputs=_plain({name: (value, rate)})))
+        self._changed(self._ask("set", inputs=_plain({name: (value, rate, until)})))
 
     def step(
         self,
@@ -339,29 +342,32 @@ class RemoteSimulation:
         return ExchangeError(kind, f"{self._name}: {problem}")
 
     def _received(self) -> dict[str, Any]:
-        data = self._read(b"", HEADER.size)
-        length = HEADER.unpack_from(data)[0]
-        if length > LARGEST_MESSAGE:
+        self._read(HEADER.size)
+        size = HEADER.size + HEADER.unpack_from(self._incoming)[0]
+        if size > HEADER.size + LARGEST_MESSAGE:
             raise ExchangeError("lost", f"{self._name}: not a server of heavylift")
-        data = self._read(data, HEADER.size + length)
+        self._read(size)
+        data, self._incoming = self._incoming[HEADER.size : size], self._incoming[size:]
         try:
-            return unpacked(self._library, memoryview(data)[HEADER.size :])
+            return unpacked(self._library, data)
         except FormatError:
             raise ExchangeError("lost", f"{self._name}: not a server of heavylift") from None
 
-    def _read(self, data: bytes, size: int) -> bytes:
-        while len(data) < size:
+    def _read(self, size: int) -> None:
+        """Wait until at least so many bytes have come."""
+        while len(self._incoming) < size:
             try:
-                more = self._connection.recv(max(PIECE, size - len(data)))
+                more = self._connection.recv(max(PIECE, size - len(self._incoming)))
             except TimeoutError:
                 seconds = self._connection.gettimeout()
                 raise ExchangeError("lost", f"{self._name}: no answer within {seconds:g} s") from None
+            except ConnectionResetError:
+                more = b""
             except OSError as error:
                 raise ExchangeError("lost", f"{self._name}: {error.strerror}") from None
             if not more:
                 raise ExchangeError("lost", f"{self._name}: has closed the connection{self._fate()}")
-            data += more
-        return data
+            self._incoming = self._incoming + more if self._incoming else more
 
     def _fate(self) -> str:
         """What has become of the child."""
@@ -477,7 +483,7 @@ def open_child(
     out
         Folder in which the results of the run are kept; None: they are not.
     overrides
-        As ``--set``: ``"simulate.step=1 ms"``.
+        As ``--set``: ``"simulate.step='1 ms'"``.
     timeout
         Until an answer must have come [s], the first one too, for which kernels may have to be compiled.
 

@@ -85,14 +85,14 @@ def _is_names(value: object) -> bool:
     return type(value) is list and all(type(name) is str for name in value)
 
 
-def _is_inputs(value: object) -> bool:
+def _is_inputs(value: object, most: int = 2) -> bool:
     if type(value) is not dict:
         return False
     for name, given in value.items():
         if type(name) is not str:
             return False
         if not _is_number(given) and not (
-            type(given) is list and len(given) == 2 and _is_number(given[0]) and _is_number(given[1])
+            type(given) is list and 2 <= len(given) <= most and all(map(_is_number, given))
         ):
             return False
     return True
@@ -105,7 +105,8 @@ TYPES = {
     "flag": "true or false",
     "bytes": "bytes",
     "names": "a list of names",
-    "inputs": "a map of names to a number, or to a list of a value and its rate",
+    "inputs": "a map of names to a number, or to a list: value, rate",
+    "changes": "a map of names to a number, or to a list: value, rate, until (optional)",
     "values": "a list of numbers, and of lists of numbers for channels of several",
     "lines": "a list of maps: time, phase, event, what",
     "input list": "a list of maps: name, unit, sentence, interpolation, value, smallest, largest",
@@ -121,6 +122,7 @@ _CHECKS: dict[str, Callable[[Any], bool]] = {
     "bytes": lambda value: type(value) is bytes,
     "names": _is_names,
     "inputs": _is_inputs,
+    "changes": lambda value: _is_inputs(value, 3),
 }
 """Whether a value is of a type that fields of requests have."""
 
@@ -172,12 +174,12 @@ MESSAGES = {
         Message(
             "set",
             False,
-            "Sets inputs from now on.",
+            "Sets inputs from now on, all of them or none.",
             (
                 Field(
                     "inputs",
-                    "inputs",
-                    "values, with rates per second if the value changes until it is set again",
+                    "changes",
+                    "values now, their rates [1/s], and times from which on they are held [s]",
                 ),
             ),
             (_TIME,),

@@ -43,6 +43,8 @@ FAREWELL_SECONDS = 2.0
 """Until a connection that is over is closed, so that its client can read why."""
 CLIENTS = 16
 """At once."""
+BACKLOG = 128
+"""Clients that may wait until they are accepted."""
 PIECE = 2**16
 """Bytes of a read."""
 SLOWEST = 2**20
@@ -307,11 +309,12 @@ class Server:
 
     def _accept(self) -> None:
         assert self.listener is not None
-        try:
-            connection, address = self.listener.accept()
-        except OSError:  # it has gone again, or there are no descriptors left
-            return
-        self.add(SocketChannel(connection, address))
+        while True:
+            try:
+                connection, address = self.listener.accept()
+            except OSError:  # nobody more, or there are no descriptors left
+                return
+            self.add(SocketChannel(connection, address))
 
     def _receive(self, client: _Client) -> None:
         try:
@@ -473,7 +476,7 @@ def listening(host: str, port: int) -> socket.socket:
     try:
         listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         listener.bind(address)
-        listener.listen(CLIENTS)
+        listener.listen(BACKLOG)
     except OSError:
         listener.close()
         raise

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import itertools
+import math
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 from heavylift.numerics.outcome import InputError, in_one_line
-from heavylift.pipeline.exchange.protocol import PROTOCOL, check_request
+from heavylift.pipeline.exchange.protocol import PROTOCOL, FormatError, check_request
 from heavylift.pipeline.results.storage import StopError
 from heavylift.pipeline.stepping.state import State
 
@@ -105,6 +106,8 @@ class Service:
             if message.do != "hello":
                 self._check_seat(message, seat)
             fields = self._work[message.do](request, seat)
+        except FormatError:
+            raise
         except InputError as error:
             seat.closed = seat.closed or not seat.role
             return error_answer(number, "input", error.problem, error.key, error.expected)
@@ -172,8 +175,8 @@ class Service:
         before, count = simulation.save() if len(inputs) > 1 else None, len(simulation.input_log)
         try:
             for name, given in inputs.items():
-                value, rate = given if type(given) is list else (given, 0.0)
-                simulation.set(name, value, rate=rate)
+                value, rate, until = (*given, math.inf)[:3] if type(given) is list else (given, 0.0, math.inf)
+                simulation.set(name, value, rate=rate, until=until)
         except InputError:
             if before is not None:  # all of them or none
                 simulation.restore(before)

@@ -65,6 +65,7 @@ NAMED = 5
 """Bodies that a message names one by one."""
 
 REPORTED = {
+    Outcome.BAD_INPUT,
     Outcome.NOT_FINITE,
     Outcome.STEP_TOO_LARGE,
     Outcome.NOT_CONVERGED,

@@ -7,8 +7,10 @@ import shutil
 import tempfile
 import time as clock
 import weakref
-from bisect import bisect_right
+from bisect import bisect_left
 from difflib import get_close_matches
+from numbers import Real
+from operator import itemgetter
 from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -434,9 +436,9 @@ class Simulation:
                         expected="a value, or a value and its rate",
                     )
                 wanted.append((name, value[0], value[1], end))
-            elif name in ports and ports[name].interpolation == "linear":
+            elif name in ports and ports[name].interpolation == "linear" and isinstance(value, Real):
                 now = ports.value(name)[0]
-                wanted.append((name, now, (value - now) / (count * solver.step), end))
+                wanted.append((name, now, (float(value) - now) / (count * solver.step), end))
             else:
                 wanted.append((name, value, 0.0, math.inf))
         solver.set_inputs(wanted)
@@ -464,10 +466,18 @@ class Simulation:
             kept = int(np.searchsorted(times, time + WHOLE * self.step_size))
             if kept:
                 self._history.append((index, times[:kept], rows[:kept]))
-        self.input_log = self.input_log[: bisect_right([row.time for row in self.input_log], time)]
+        self._cut_log(time)
         self.row = self._solver.record()
         if self._callbacks:
             self._told = self._logged
+
+    def _cut_log(self, time: float) -> None:
+        """Forget what was set behind a state: later, or at its time if that is not what acts there."""
+        log, ports = self.input_log, self._solver.inputs
+        first = bisect_left(log, time - 0.5 * self.step_size, key=itemgetter(0))
+        now = [row for row in log[first:] if row.time == time and ports.value(row.name) == row[2:4]]
+        del log[first:]
+        log += now
 
     def copy(self) -> Simulation:
         """Another simulation in the same state, with the same history, which goes its own way."""
