@@ -453,6 +453,8 @@ class Model:
 
     def located(self, error: InputError) -> InputError:
         """An error of its case at the component that the program made, or at the key of the case file."""
+        if error.source not in {"", str(self._file)}:  # a file that the case names, or the output folder
+            return error
         parts = error.key.split(".")
         table = TABLES_OF_CASE.get(parts[0])
         content: Any = self._document.get(parts[0])
@@ -551,6 +553,28 @@ class Model:
         from heavylift.pipeline.model.results import run_model
 
         return run_model(self.case(), self.located, out=out, log=log)
+
+    def page(self) -> str:
+        """The scene before its run as an interactive page, the text of one HTML file: names, markers, rope paths.
+
+        Meshes and modes are made for it.
+
+        Raises
+        ------
+        InputError
+            If something is wrong with the model, or k3d is not installed.
+        StopError
+            If a stage stops by itself.
+        """
+        from heavylift.pipeline.model.results import start_page
+
+        return start_page(self.case(), self.located)
+
+    def _repr_html_(self) -> str:
+        """The page in a cell of a notebook."""
+        from heavylift.pipeline.model.results import in_cell
+
+        return in_cell(self.page())
 
     def __repr__(self) -> str:
         return f"<Model {self.title!r}: {len(self)} components>"

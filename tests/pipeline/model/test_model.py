@@ -256,6 +256,9 @@ def test_a_file_that_is_missing_is_told(tmp_path):
     assert not (tmp_path / "case").exists()
     with pytest.raises(hl.InputError, match="does not exist"):
         hl.load(tmp_path / "nowhere")
+    (tmp_path / "no.stl").write_text("no triangles", encoding="utf-8")
+    model.add(hl.Simulate(step="10 ms", duration="1 s", output_interval="0.1 s"))
+    assert "Surface('s').file: no.stl: contains no triangle" in message(model.run)
 
 
 def test_a_model_without_a_run_has_no_records_but_a_verdict():

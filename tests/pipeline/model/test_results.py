@@ -120,6 +120,20 @@ def test_a_cell_of_a_notebook_shows_the_page(run):
     assert html.unescape(inner) == page
 
 
+def test_a_model_in_a_cell_shows_its_scene_before_the_run(tmp_path, monkeypatch):
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    model = falling()
+    page = model.page()
+    assert "The scene before its run" in page
+    assert html.escape(page) in model._repr_html_()
+    model.add(hl.Sensor("tip", body="none", point=[0, 0, 0]))
+    with pytest.raises(
+        hl.InputError, match=r"test_results.py:\d+: Sensor\('tip'\).body: body 'none' does not exist"
+    ):
+        model.page()
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_a_run_that_stops_by_itself_has_its_records_and_says_so():
     model = falling()
     model.add(
