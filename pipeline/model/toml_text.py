@@ -56,13 +56,19 @@ def _table(path: str, table: Mapping[str, Any]) -> Iterator[str]:
             for entry in value:
                 yield from ("", f"[[{inner}]]")
                 yield from _table(inner, entry)
-        elif path in {"", "repeat"} and key in TABLES_OF_CASE and TABLES_OF_CASE[key].form == "named":
+        elif _is_named(path, key, value):
             for name, entry in value.items():
                 yield from ("", f"[{inner}.{_key(name)}]")
                 yield from _table(f"{inner}.{_key(name)}", entry)
         else:
             yield from ("", f"[{inner}]")
             yield from _table(inner, value)
+
+
+def _is_named(path: str, key: str, value: dict[str, Any]) -> bool:
+    """Whether it is tables by name, each with a heading: ``[bodies.NAME]``."""
+    named = path in {"", "repeat"} and key in TABLES_OF_CASE and TABLES_OF_CASE[key].form == "named"
+    return named and all(isinstance(entry, dict) for entry in value.values())
 
 
 def _has_heading(path: str, key: str, value: Any) -> bool:
