@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 import re
 import shutil
+import weakref
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -14,6 +15,7 @@ from heavylift.pipeline.case.case_file import CASE_FILE, Case, check_values, mak
 from heavylift.pipeline.case.overrides import REMOVED, assign, entry_index
 from heavylift.pipeline.case.tables import TABLES
 from heavylift.pipeline.equipment.builders import BUILDERS
+from heavylift.pipeline.log import Log
 from heavylift.pipeline.model.components import (
     TABLES_OF_CASE,
     CaseTable,
@@ -29,7 +31,6 @@ from heavylift.pipeline.results.storage import replacing
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
-    from heavylift.pipeline.log import Log
     from heavylift.pipeline.model.results import Run
 
 __all__ = ["Model", "load"]
@@ -78,6 +79,7 @@ class Model:
         # components that the program holds, by the identity of their tables, which they keep alive
         self._held: dict[int, Component] = {}
         self._taken: dict[tuple[str, str], tuple[str, dict[str, Any]]] | None = None
+        self._last: weakref.ref[Run] | None = None
 
     @property
     def title(self) -> str:
@@ -416,11 +418,13 @@ class Model:
 
     def copy(self) -> Model:
         """An independent model with the same content."""
-        return copy.deepcopy(self)
+        made = copy.deepcopy(self)
+        made._last = self._last  # noqa: SLF001
+        return made
 
     def __getstate__(self) -> dict[str, Any]:
         """What copies and pickles are made of: identities are others there."""
-        return {**self.__dict__, "_held": list(self._held.values()), "_taken": None}
+        return {**self.__dict__, "_held": list(self._held.values()), "_taken": None, "_last": None}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         held = {id(one._row): one for one in state["_held"]}  # noqa: SLF001
@@ -527,7 +531,7 @@ class Model:
             ) from None
         return file
 
-    def run(self, *, out: Path | str | None = None, log: Log | None = None) -> Run:
+    def run(self, *, out: Path | str | None = None, quiet: bool = True) -> Run:
         """Run it: mesh and modes as far as it needs them, and the simulation.
 
         Parameters
@@ -535,13 +539,15 @@ class Model:
         out
             Output folder that stays, from which an interrupted run goes on; by default a temporary folder that goes
             with the results.
-        log
-            Told what happens; quiet by default.
+        quiet
+            Whether nothing is printed; if not, what the commands say.
 
         Returns
         -------
         Run
             Its results. A run that stops by itself has results up to there, and says so in ``outcome`` and ``message``.
+            As long as they are there, another run takes their meshes and modes where its own would be the same, as it
+            takes those in the folder of a case that was loaded.
 
         Raises
         ------
@@ -552,7 +558,13 @@ class Model:
         """
         from heavylift.pipeline.model.results import run_model
 
-        return run_model(self.case(), self.located, out=out, log=log)
+        case = self.case()
+        last = None if self._last is None else self._last()
+        before = [case.output_folder, *([] if last is None else [last.out])]
+        reuse = [folder for folder in before if folder.is_dir()]
+        run = run_model(case, self.located, out=out, log=Log(quiet=quiet), reuse=reuse)
+        self._last = weakref.ref(run)
+        return run
 
     def page(self) -> str:
         """The scene before its run as an interactive page, the text of one HTML file: names, markers, rope paths.

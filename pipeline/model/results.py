@@ -264,14 +264,19 @@ def _told(located: Callable[[InputError], InputError]) -> Iterator[None]:
 
 
 def run_model(
-    case: Case, located: Callable[[InputError], InputError], *, out: Path | str | None, log: Log | None
+    case: Case,
+    located: Callable[[InputError], InputError],
+    *,
+    out: Path | str | None,
+    log: Log,
+    reuse: Sequence[Path],
 ) -> Run:
     """Run the case of a model, which says where errors are; see `heavylift.pipeline.model.model.Model.run`."""
     if out is not None:
-        return _run_in(Path(out), case, located, log)
+        return _run_in(Path(out), case, located, log, reuse)
     folder = Path(tempfile.mkdtemp(prefix="heavylift-"))
     try:
-        run = _run_in(folder, case, located, log)
+        run = _run_in(folder, case, located, log, reuse)
     except BaseException:
         shutil.rmtree(folder, ignore_errors=True)
         raise
@@ -279,12 +284,19 @@ def run_model(
     return run
 
 
-def _run_in(folder: Path, case: Case, located: Callable[[InputError], InputError], log: Log | None) -> Run:
+def _run_in(
+    folder: Path,
+    case: Case,
+    located: Callable[[InputError], InputError],
+    log: Log,
+    reuse: Sequence[Path],
+) -> Run:
     from heavylift.pipeline.report.run import load_finite_results
     from heavylift.pipeline.stages.stages import run_case
 
+    others = [path for path in reuse if path.resolve() != folder.resolve()]
     with _told(located):
-        report = run_case(case, out=folder, stages=_STAGES, log=log)
+        report = run_case(case, out=folder, stages=_STAGES, log=log, reuse=others)
     results, problem = load_finite_results(case, folder)
     if report.outcome is not Outcome.COMPLETED and (results is None or not len(results.time)):
         raise StopError(report.outcome, report.message)

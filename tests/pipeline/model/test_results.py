@@ -174,3 +174,17 @@ def test_a_folder_in_which_another_run_works_is_told(tmp_path):
     with locked(tmp_path / "out"), pytest.raises(hl.StopError) as caught:
         model.run(out=tmp_path / "out")
     assert caught.value.outcome is hl.Outcome.LOCKED
+
+
+def test_another_run_takes_the_modes_that_are_there(small_case, capsys):
+    model = hl.load(small_case)
+    first = model.run(quiet=False)
+    assert "unchanged" not in capsys.readouterr().out
+    twin = model.copy()
+    twin.set("simulate.duration", "2 ms")
+    second = twin.run(quiet=False)
+    told = capsys.readouterr().out
+    for stage in ("mesh", "modes"):
+        assert f"{stage}: beam: unchanged, taken from {first.out}" in told
+    name = "beam.modal_position"
+    assert second[name][1].tobytes() == first[name][1].tobytes()
