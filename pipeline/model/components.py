@@ -36,9 +36,16 @@ _OWN_KEYS = {"title", "sources", "parameters"}
 """Keys of a case that are no tables."""
 
 
+class ModelErrors(InputErrors):
+    """Everything that is wrong with a model, one line each; also when it comes from another process."""
+
+    def __reduce__(self) -> tuple[type[ModelErrors], tuple[list[InputError]]]:
+        return type(self), (self.errors,)
+
+
 def raised(errors: list[InputError]) -> InputError:
     """One error as it is, or all of several."""
-    return errors[0] if len(errors) == 1 else InputErrors(errors)
+    return errors[0] if len(errors) == 1 else ModelErrors(errors)
 
 
 class CaseTable(NamedTuple):

@@ -322,3 +322,8 @@ def test_a_model_goes_through_a_pickle_with_its_components():
     other["line"].length = "5 m"
     assert (other.case().ropes[0].length, model["line"].length) == (5.0, "4 m")
     assert "test_model.py:" in message(lambda: other.add(hl.Sensor("line", body="bob", point=[0, 0, 0])))
+    other.add(hl.Sensor("a", body="no", point=[0, 0, 0]), hl.Sensor("b", body="none", point=[0, 0, 0]))
+    with pytest.raises(hl.InputError) as caught:
+        other.case()
+    assert len(str(caught.value).splitlines()) == 2
+    assert str(pickle.loads(pickle.dumps(caught.value))) == str(caught.value)  # noqa: S301
