@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import tomllib
 from typing import TYPE_CHECKING, Any
 
@@ -138,18 +139,23 @@ def changed_text(text: str, document: Mapping[str, Any]) -> str:
         What it shall contain.
     """
     before = tomllib.loads(text)
-    if before == document:
+    if _same(before, document):
         return text
     library = _library()
     parsed = library.parse(text)
     try:
         _change(parsed, before, document, "")
         changed: str = library.dumps(parsed)
-        if tomllib.loads(changed) == document:
+        if _same(tomllib.loads(changed), document):
             return changed
     except (ValueError, TypeError, KeyError, IndexError, AttributeError):
         pass  # what the library cannot do in place is written anew
     return case_text(document)
+
+
+def _same(one: Any, other: Any) -> bool:
+    """Whether two values are written alike; 1, 1.0 and true are equal in Python, and not in a file."""
+    return json.dumps(one, sort_keys=True, default=repr) == json.dumps(other, sort_keys=True, default=repr)
 
 
 def _change(node: Any, before: Mapping[str, Any], after: Mapping[str, Any], path: str) -> None:
@@ -159,7 +165,7 @@ def _change(node: Any, before: Mapping[str, Any], after: Mapping[str, Any], path
     for key, value in after.items():
         inner = f"{path}.{key}" if path else key
         old = before.get(key)
-        if key in before and old == value:
+        if key in before and _same(old, value):
             continue
         if isinstance(old, dict) and isinstance(value, dict):
             _change(node[key], old, value, inner)

@@ -122,6 +122,18 @@ def test_changes_keep_comments_and_are_those_of_the_command_line(tmp_path):
     assert saved.converge is None
 
 
+def test_what_python_takes_for_equal_is_written_as_it_is(tmp_path):
+    model = hl.load(CASES / "hoist")
+    assert model.document["converge"]["relative"] is False
+    model.set("converge.relative", 0)
+    model.set("check.error.reference", 0)  # was 0.0
+    file = model.save(tmp_path)
+    text = file.read_text(encoding="utf-8")
+    assert "relative = 0\n" in text
+    assert "reference = 0\n" in text
+    assert repr(hl.load(file).document) == repr(model.document)
+
+
 def test_entries_of_lists_are_set_by_name_on_the_command_line_too():
     case = load_case(CASES / "hoist", ["ropes.fall.length=101 m", "check.error.reference=1"])
     assert case.ropes[0].length == 101.0
