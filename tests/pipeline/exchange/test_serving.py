@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 import time
+from pathlib import Path
 
 import pytest
 
@@ -129,6 +130,7 @@ def test_a_child_that_starts_ends_when_its_parent_is_gone():
     [
         ({"port": None, "pipe": False}, "serve", "neither"),
         ({"port": 5000, "pipe": True}, "serve", "both"),
+        ({"port": None, "pipe": True, "token_file": Path("token")}, "--token-file", "--pipe"),
         ({"port": 70000, "pipe": False}, "--port", "70000"),
         ({"port": 0, "pipe": False, "wait": -1.0}, "--wait", "-1"),
         ({"port": 0, "pipe": False, "wait": float("nan")}, "--wait", "nan"),
@@ -148,6 +150,18 @@ def test_a_port_that_is_taken_and_a_file_that_cannot_be_written(served, tmp_path
     with pytest.raises(InputError, match="--token-file"):
         serve_case(HOIST, port=0, pipe=False, token_file=tmp_path / "no" / "token", log=Log())
     assert os.listdir(tmp_path) == []  # noqa: PTH208
+
+
+def test_a_folder_that_is_taken_is_refused_before_the_run(tmp_path):
+    out = tmp_path / "out"
+    with hl.open_child(HOIST, out=out) as first:
+        with pytest.raises(hl.SimulationStopped, match="works in this folder") as caught:
+            hl.open_child(HOIST, out=out)
+        assert caught.value.outcome is hl.Outcome.LOCKED
+        first.step()
+    (tmp_path / "file").touch()
+    with pytest.raises(InputError, match="File exists"):
+        hl.open_child(HOIST, out=tmp_path / "file")
 
 
 def test_another_host_is_warned_of(capfd, tmp_path):
