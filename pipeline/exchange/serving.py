@@ -120,14 +120,20 @@ def _serve_parent(path: Path, out: Path | None, overrides: Sequence[str]) -> int
     writes = os.dup(1)
     os.dup2(2, 1)  # whatever libraries print goes elsewhere
     reads = os.dup(0)
+    parent = _Parent(0)
     with contextlib.closing(PipeChannel(reads, writes)) as channel:
         try:
-            parent = _Parent(0)
             simulation, reserved = _simulation(path, out, overrides)
         except BaseException as error:
-            with contextlib.suppress(OSError):
-                channel.send(framed(library.packb(_start_error(error))))
-            raise
+            parent.serving = True
+            told, outcome = _start_error(error)
+            try:
+                channel.send(framed(library.packb(told)))
+            except OSError:
+                raise error from None
+            if outcome is None:
+                raise
+            return int(outcome)  # the parent knows
         with stop_requests() as stop:
             parent.serving = True
             service = Service(simulation)
@@ -187,18 +193,19 @@ def _ending(service: Service, out: Path | None, reserved: contextlib.ExitStack) 
     return int(Outcome.COMPLETED if service.over else Outcome.INTERRUPTED)
 
 
-def _start_error(error: BaseException) -> dict[str, object]:
-    """What a parent hears if the run cannot begin."""
+def _start_error(error: BaseException) -> tuple[dict[str, object], Outcome | None]:
+    """What a parent hears if the run cannot begin, and how the process ends; None if there is more to say of it."""
     if isinstance(error, InputError):
         key = ": ".join(part for part in (error.source, error.key) if part)
-        return error_answer(None, "input", error.problem.replace("\n", "; "), key, error.expected)
+        problem = error.problem.replace("\n", "; ")
+        return error_answer(None, "input", problem, key, error.expected), Outcome.BAD_INPUT
     if isinstance(error, StopError):
-        return error_answer(None, "stopped", str(error), error.outcome.name.lower())
+        return error_answer(None, "stopped", str(error), error.outcome.name.lower()), error.outcome
     if isinstance(error, OSError) and error.filename is not None:
-        return error_answer(None, "input", str(error.strerror), str(error.filename))
+        return error_answer(None, "input", str(error.strerror), str(error.filename)), Outcome.BAD_INPUT
     if isinstance(error, KeyboardInterrupt):
-        return error_answer(None, "refused", "interrupted")
-    return error_answer(None, "internal", in_one_line(f"{type(error).__name__}: {error}"))
+        return error_answer(None, "refused", "interrupted"), None
+    return error_answer(None, "internal", in_one_line(f"{type(error).__name__}: {error}")), None
 
 
 def _hear_hangups() -> None:
