@@ -280,8 +280,8 @@ def _variable(one: Any, units: Mapping[str, FmuUnit]) -> FmuVariable:
     )
 
 
-def unit_factor(variable: FmuVariable, ours: str) -> tuple[float, float]:
-    """How a value in a unit of heavylift becomes one of a variable: ``theirs = factor * ours + offset``.
+def unit_factor(variable: FmuVariable, ours: str) -> float:
+    """Factor from a value in a unit of heavylift to one of a variable.
 
     Parameters
     ----------
@@ -297,11 +297,11 @@ def unit_factor(variable: FmuVariable, ours: str) -> tuple[float, float]:
     """
     unit = variable.unit
     if unit is None:
-        return 1.0, 0.0
+        return 1.0
     scale, dimension = parse_unit(ours)
     if unit.dimension is None:
         if unit.name == ours or (unit.name in _PURE and ours in _PURE):
-            return 1.0, 0.0
+            return 1.0
         try:
             factor, own = parse_unit("1" if unit.name in _PURE else unit.name.replace(".", " "))
         except InputError:
@@ -316,7 +316,11 @@ def unit_factor(variable: FmuVariable, ours: str) -> tuple[float, float]:
             f"{variable.name!r} is in {unit.name}, {what}",
             expected=f"{describe_dimension(dimension)} [{ours}]",
         )
-    return scale / unit.factor, -unit.offset / unit.factor
+    if unit.offset:
+        raise InputError(
+            f"{variable.name!r} is in {unit.name}, which has an offset", expected=f"a multiple of {ours}"
+        )
+    return scale / unit.factor
 
 
 def unpack_fmu(fmu: FmuFile, folder: Path) -> None:

@@ -81,7 +81,9 @@ class Host:
             self._fmu.instantiate(logMessage=tell)
 
     def _log(self, status: int, message: bytes | None) -> None:
-        """Keep what the FMU says; of more than there is room for the last."""
+        """Keep what the FMU warns of; of more than there is room for the last."""
+        if status == 0:  # what it says all the time
+            return
         label = STATUSES[status] if 0 <= status < len(STATUSES) else str(status)
         text = (message or b"").decode("utf-8", "replace").strip()[:LONGEST_LINE]
         self.lines = [*self.lines[1 - MOST_LINES :], f"{label}: {text}"]
@@ -105,8 +107,10 @@ class Host:
     def _get(self) -> list[float]:
         return [float(getattr(self._fmu, f"get{kind}")([reference])[0]) for reference, kind in self._outputs]
 
-    def step(self, time: float, dt: float, values: list[float], rates: list[float] | None) -> list[float]:
-        """Advance with inputs, and with their rates if the FMU takes them; the outputs then."""
+    def step(
+        self, time: float, dt: float, values: list[float], rates: list[float] | None, ends: list[float] | None
+    ) -> list[float]:
+        """Advance with inputs, and with their rates if the FMU takes them; the outputs then, of inputs at the end."""
         fmu = self._fmu
         self._set(values)
         if rates and self._inputs:
@@ -114,12 +118,14 @@ class Host:
             fmu.setRealInputDerivatives(references, [1] * len(rates), rates)
         if self._version == 2:
             fmu.doStep(time, dt, 0)
-            return self._get()
-        _, terminate, early, last = fmu.doStep(time, dt, False)
-        if terminate:
-            raise FmuRefusalError("it asks to end the simulation")
-        if early and last < time + dt * (1.0 - 1e-9):
-            raise FmuRefusalError(f"it returned early, at t = {last:.9g} s")
+        else:
+            _, terminate, early, last = fmu.doStep(time, dt, False)
+            if terminate:
+                raise FmuRefusalError("it asks to end the simulation")
+            if early and last < time + dt * (1.0 - 1e-9):
+                raise FmuRefusalError(f"it returned early, at t = {last:.9g} s")
+        if ends is not None:
+            self._set(ends)
         return self._get()
 
     def save(self) -> int:
@@ -192,7 +198,7 @@ def main() -> None:
     def watch() -> None:
         with contextlib.suppress(OSError):
             os.read(life, 1)
-        os._exit(1)
+        os._exit(0)
 
     threading.Thread(target=watch, daemon=True).start()
     serve(pipe)

@@ -84,6 +84,7 @@ class FmuProcess:
         self._values = dict.fromkeys(self._inputs, 0.0)
         self._rates = dict.fromkeys(self._inputs, 0.0)
         self._found: dict[str, float] = {}
+        self._saved = 0
         folder = Path(tempfile.mkdtemp(prefix="heavylift_fmu_"))
         try:
             unpack_fmu(fmu, folder)
@@ -119,29 +120,35 @@ class FmuProcess:
         self._rates.update(rates)
 
     def step(self, time: float, dt: float) -> None:
-        """Advance; without interpolation of its own it gets the mean of each input over the interval."""
+        """Advance with inputs that are constant or have rates.
+
+        An FMU that does not interpolate gets the mean of each input over the interval, and then, for its outputs, the
+        value at the end.
+        """
         values, rates = list(self._values.values()), list(self._rates.values())
-        if not self.fmu.interpolates:
-            values = [value + 0.5 * rate * dt for value, rate in zip(values, rates, strict=True)]
-        told = rates if self.fmu.interpolates and any(rates) else None
-        self._take("step", when=time, time=time, dt=dt, values=values, rates=told)
+        ends = None
+        if any(rates):
+            ends = [value + rate * dt for value, rate in zip(values, rates, strict=True)]
+            if not self.fmu.interpolates:
+                values = [0.5 * (value + end) for value, end in zip(values, ends, strict=True)]
+        told = rates if ends is not None and self.fmu.interpolates else None
+        self._take("step", when=time, time=time, dt=dt, values=values, rates=told, ends=ends)
 
     def outputs(self) -> Mapping[str, float]:
         """Outputs at the present time, by the names of its variables."""
         return self._found
 
     def save(self) -> tuple[int, dict[str, float]]:
-        """A copy of the state, which stays in the process until `free`."""
-        return int(self._ask("save")), dict(self._found)
+        """A copy of the state, which stays in the process until the next one is made."""
+        before, self._saved = self._saved, int(self._ask("save"))
+        if before:
+            self._ask("free", number=before)
+        return self._saved, dict(self._found)
 
     def restore(self, state: tuple[int, dict[str, float]]) -> None:
         """Go back to a copy."""
         self._ask("restore", number=state[0])
         self._found = dict(state[1])
-
-    def free(self, state: tuple[int, dict[str, float]]) -> None:
-        """Forget a copy."""
-        self._ask("free", number=state[0])
 
     def serialize(self) -> str:
         """The state as text, which `deserialize` takes in any process with the same FMU."""

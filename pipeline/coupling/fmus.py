@@ -6,16 +6,18 @@ from difflib import get_close_matches
 from typing import TYPE_CHECKING, Any
 
 from heavylift.numerics.outcome import InputError
+from heavylift.pipeline.case.places import located
 from heavylift.pipeline.coupling.fmu_file import REALS, WHOLE, read_fmu
 
 if TYPE_CHECKING:
     from collections.abc import Collection
     from pathlib import Path
 
+    from heavylift.pipeline.case.case_file import Case
     from heavylift.pipeline.case.fmus import FmuSection
     from heavylift.pipeline.coupling.fmu_file import FmuFile, FmuVariable
 
-__all__ = ["check_fmu"]
+__all__ = ["check_fmu", "read_fmus"]
 
 SHOWN = 20
 """Names of a list in a message at most."""
@@ -107,3 +109,18 @@ def check_fmu(section: FmuSection, folder: Path) -> FmuFile:
             expected=f"a multiple of {fmu.fixed_step:g} s",
         )
     return fmu
+
+
+def read_fmus(case: Case) -> list[tuple[FmuSection, FmuFile]]:
+    """The FMUs of a case with their files.
+
+    Raises
+    ------
+    InputError
+        With the place in the case file of what does not fit.
+    """
+    found = []
+    for index, section in enumerate(case.fmus):
+        with located(case, f"fmus.{index}"):
+            found.append((section, check_fmu(section, case.folder)))
+    return found

@@ -99,6 +99,13 @@ class Master:
         Of ``iterated``: largest misfit of what is exchanged, relative to the largest value of its link so far, and
         number of repetitions of an interval.
 
+    Attributes
+    ----------
+    links
+        What is exchanged.
+    iterations
+        How often intervals were made, if they are iterated.
+
     Examples
     --------
     A tank that empties through a valve, x' = -q, and a valve that lets q = 0.5 x through:
@@ -146,13 +153,13 @@ class Master:
         most: int = MOST_ITERATIONS,
     ) -> None:
         self._systems = dict(systems)
-        self._links = tuple(links)
+        self.links = tuple(links)
         self._into = {name: [k for k, link in enumerate(links) if link.target == name] for name in systems}
         self._from = {name: [k for k, link in enumerate(links) if link.source == name] for name in systems}
         self.method: Method = method
         self._tolerance, self._most = tolerance, most
-        self._largest = [0.0] * len(self._links)
-        self._rates = [0.0] * len(self._links)
+        self._largest = [0.0] * len(self.links)
+        self._rates = [0.0] * len(self.links)
         self.iterations = 0
 
     @property
@@ -162,7 +169,7 @@ class Master:
 
     @memory.setter
     def memory(self, numbers: Sequence[float]) -> None:
-        count = len(self._links)
+        count = len(self.links)
         self._largest, self._rates = list(numbers[:count]), list(numbers[count:])
 
     def step(self, time: float, dt: float) -> None:
@@ -180,7 +187,7 @@ class Master:
         StopError
             If an iterated exchange does not come to an end, with `Outcome.NOT_CONVERGED`.
         """
-        now = [0.0] * len(self._links)
+        now = [0.0] * len(self.links)
         for name in self._systems:
             self._read(name, now)
         if self.method == "iterated":
@@ -224,7 +231,7 @@ class Master:
             if misfit <= self._tolerance:
                 self._rates = [(b - a) / dt for a, b in zip(now, ends, strict=True)]
                 return
-        link = self._links[worst]
+        link = self.links[worst]
         raise StopError(
             Outcome.NOT_CONVERGED,
             f"t = {time:.9g} s: what {link.source!r} gives to {link.target!r} ({link.output} to {link.input}) still "
@@ -244,7 +251,7 @@ class Master:
             return
         found = self._systems[name].outputs()
         for k in self._from[name]:
-            link = self._links[k]
+            link = self.links[k]
             value = link.told(found)
             if not math.isfinite(value):
                 raise StopError(Outcome.NOT_FINITE, f"output {link.output!r} of {name!r} is {value}")
@@ -252,7 +259,7 @@ class Master:
 
     def _tell(self, name: str, values: Sequence[float], rates: Sequence[float]) -> None:
         """Set the inputs of a system."""
-        links = self._links
+        links = self.links
         self._systems[name].set(
             {links[k].input: values[k] for k in self._into[name]},
             {links[k].input: rates[k] for k in self._into[name]},

@@ -37,6 +37,7 @@ from heavylift.pipeline.report.document import (
     to_html,
     to_markdown,
 )
+from heavylift.pipeline.report.fmus import fmu_sections
 from heavylift.pipeline.report.inputs import described_sections, input_section, rigid_sections
 from heavylift.pipeline.report.interactive import JudgedRun, interactive_content
 from heavylift.pipeline.report.lift import lift_section
@@ -190,6 +191,7 @@ def write_report(
             input_section(case),
             *run_section(case, stages, results),
             *operation_section(results),
+            *fmu_sections(case, results),
             *made.plotted.transport,
             *surface_sections(case, stages),
             *made.plotted.sea,

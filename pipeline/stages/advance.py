@@ -120,6 +120,8 @@ class Advancer:
         What someone outside says to the run, if it has a scenario.
     loss
         Set by `resume`: what of an earlier run is computed again, because segments before it are missing or damaged.
+    begins_again
+        Why no run of this simulation can go on from a checkpoint; empty if it can.
     segments
         Those of this run that are on disk, in order.
     """
@@ -131,6 +133,7 @@ class Advancer:
     adaptive: bool = False
     restart_reason: str = ""
     loss: str = ""
+    begins_again: str = ""
     commands: OperatorCommands | None = None
     segments: list[SegmentMark] = field(default_factory=list)
     _written_steps: int = 0
@@ -148,8 +151,10 @@ class Advancer:
         last, marks = None, []
         for last in read_segments(self.folder):
             marks.append(last.mark)
-        if last is None or last.header["digest"] != self.digest:
-            if last is not None:
+        if last is None or last.header["digest"] != self.digest or self.begins_again:
+            if last is not None and last.header["digest"] == self.digest:
+                self.restart_reason = self.begins_again
+            elif last is not None:
                 self.restart_reason = "the results of an earlier run belong to other inputs"
             elif self.folder.is_dir() and any(self.folder.glob("segment_*")):
                 self.restart_reason = "the results of an earlier run are damaged"
@@ -213,9 +218,12 @@ class Advancer:
             return simulation.outcome, simulation.message
         if simulation.step_index < self.step_count and not simulation.ended:
             reached = simulation.step_index * simulation.step
+            onward = "continues from there"
+            if self.begins_again:
+                onward = f"begins again at t = 0: {self.begins_again}"
             return (
                 Outcome.INTERRUPTED,
-                f"{stop.signal_name} at t = {reached:.9g} s; the same command continues from there",
+                f"{stop.signal_name} at t = {reached:.9g} s; the same command {onward}",
             )
         return Outcome.COMPLETED, ""
 

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from heavylift.solver.scene.scene import Scene
     from heavylift.solver.simulation import Simulation
 
-__all__ = ["PreparedRun", "compile_parts", "new_simulation", "prepare_run"]
+__all__ = ["PreparedRun", "compile_parts", "new_simulation", "prepare_run", "release"]
 
 
 class PreparedRun(NamedTuple):
@@ -85,7 +85,20 @@ def new_simulation(case: Case, folder: OutputFolder, scene: Scene) -> Simulation
 
         options["starts"] = KeptStart(folder.start)
     with in_case(case):
+        if case.fmus:
+            from heavylift.pipeline.coupling.coupled import CoupledSimulation
+            from heavylift.pipeline.coupling.fmus import read_fmus
+
+            options["fmus"] = read_fmus(case)
+            return CoupledSimulation(scene, section.solver_step, section.integrator, **options)
         return Simulation(scene, section.solver_step, section.integrator, **options)
+
+
+def release(simulation: Simulation) -> None:
+    """End what a simulation has beside itself: the processes of its FMUs."""
+    close = getattr(simulation, "close", None)
+    if close is not None:
+        close()
 
 
 def _check_plan(case: Case, scene: Scene, operation: Operation) -> None:

@@ -181,7 +181,7 @@ def _says_all(manifest: Mapping[str, Any]) -> bool:
 def _simulate(work: Work, digest: str, *, cut_off: bool) -> StageReport:
     """Simulate; `cut_off` tells that an earlier run in this folder had begun and did not end."""
     from heavylift.pipeline.case.places import in_case
-    from heavylift.pipeline.stages.prepared import compile_parts, prepare_run
+    from heavylift.pipeline.stages.prepared import compile_parts, prepare_run, release
 
     section, folder, log = work.case.simulate, work.folder, work.log
     assert section is not None
@@ -204,6 +204,7 @@ def _simulate(work: Work, digest: str, *, cut_off: bool) -> StageReport:
     count = section.interval_count * simulation.record_every
     adaptive = section.step is None or simulation.integrator == "accurate"
     advancer = Advancer(simulation, folder.segments, digest, count, adaptive=adaptive)
+    advancer.begins_again = getattr(simulation, "not_kept", "")
     done = advancer.resume()
     if done:
         where = "record" if adaptive else "step"
@@ -226,6 +227,8 @@ def _simulate(work: Work, digest: str, *, cut_off: bool) -> StageReport:
         with contextlib.suppress(StopError):
             _write_manifest(work, digest, error.outcome.name.lower(), str(error), finished=False, details={})
         raise
+    finally:
+        release(simulation)
 
 
 def conclude(

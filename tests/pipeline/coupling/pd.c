@@ -37,6 +37,14 @@ static void control(Unit *unit) {
 #endif
 }
 
+/* an output follows from the inputs that are set when it is asked for, but for one with a state of its own */
+static double output(Unit *unit, unsigned reference) {
+#ifndef LAGS
+    if (reference == FORCE && isfinite(unit->value[FORCE])) control(unit);
+#endif
+    return unit->value[reference];
+}
+
 /* 0: go on; 3: an error, whose message the caller sends */
 static int advance(Unit *unit, double t, double h) {
     control(unit);
@@ -86,7 +94,7 @@ int fmi2SetReal(void *c, const unsigned r[], size_t n, const double v[]) {
     return 0;
 }
 int fmi2GetReal(void *c, const unsigned r[], size_t n, double v[]) {
-    for (size_t i = 0; i < n; i++) v[i] = ((Unit *)c)->value[r[i]];
+    for (size_t i = 0; i < n; i++) v[i] = output(c, r[i]);
     return 0;
 }
 int fmi2SetInteger(void *c, const unsigned r[], size_t n, const int v[]) { ((Unit *)c)->fault = v[0]; return 0; }
@@ -151,7 +159,7 @@ int fmi3SetFloat64(void *c, const uint32_t r[], size_t n, const double v[], size
     return 0;
 }
 int fmi3GetFloat64(void *c, const uint32_t r[], size_t n, double v[], size_t m) {
-    for (size_t i = 0; i < n; i++) v[i] = ((Unit *)c)->value[r[i]];
+    for (size_t i = 0; i < n; i++) v[i] = output(c, r[i]);
     return 0;
 }
 int fmi3SetInt32(void *c, const uint32_t r[], size_t n, const int32_t v[], size_t m) { ((Unit *)c)->fault = v[0]; return 0; }
