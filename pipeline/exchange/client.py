@@ -140,12 +140,27 @@ class RemoteSimulation:
             raise
 
     @property
+    def child_id(self) -> int | None:
+        """Number of the process that `open_child` has started; None of one that was there."""
+        return None if self._child is None else self._child.pid
+
+    @property
     def inputs(self) -> Mapping[str, InputInfo]:
         """What may be set, with the values of now."""
         if self._ports is None:
             self._describe()
         assert self._ports is not None
         return self._ports[0]
+
+    @property
+    def outcome(self) -> Outcome:
+        """How it stands; `Outcome.COMPLETED` as long as nothing is wrong."""
+        return Outcome[self._ask("describe")["outcome"].upper()]
+
+    @property
+    def message(self) -> str:
+        """Why it has stopped by itself; empty if it has not."""
+        return str(self._ask("describe")["message"])
 
     @property
     def outputs(self) -> Mapping[str, OutputInfo]:
@@ -329,6 +344,8 @@ class RemoteSimulation:
         told = answer.get("error")
         if not isinstance(told, dict):
             raise ExchangeError("lost", f"{self._name}: an answer to something else")
+        if told.get("kind") == "stopped" and "time" in answer:
+            self._changed(answer)
         raise self._error(told)
 
     def _error(self, told: Mapping[str, Any]) -> Exception:

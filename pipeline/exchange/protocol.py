@@ -46,7 +46,7 @@ LARGEST_HELLO = 4096
 
 ERROR_KINDS = {
     "input": "The request is wrong; nothing has changed, and the connection stays.",
-    "stopped": "The simulation has stopped by itself; `key` is how, as `step_too_large`. What was computed is kept.",
+    "stopped": "The simulation has stopped by itself; `key` is how. `time` and `ended` are beside the error.",
     "refused": "The server does not do this for this client, or closes the connection.",
     "internal": "A fault of the program; the run ends, and what was computed is kept.",
 }
@@ -167,6 +167,8 @@ MESSAGES = {
                 ),
                 Field("step_size", "number", "time step [s]"),
                 Field("duration", "number", "end of the run [s]"),
+                Field("outcome", "text", "how it stands: `completed` as long as nothing is wrong"),
+                Field("message", "text", "why it has stopped by itself"),
                 _TIME,
                 _ENDED,
             ),

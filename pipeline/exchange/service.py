@@ -115,7 +115,8 @@ class Service:
             seat.closed = seat.closed or not seat.role
             return error_answer(number, "refused", str(error))
         except StopError as error:
-            return error_answer(number, "stopped", str(error), error.outcome.name.lower())
+            told = error_answer(number, "stopped", str(error), error.outcome.name.lower())
+            return {**told, "time": self.simulation.time, "ended": self.simulation.ended}
         except Exception as error:  # noqa: BLE001  a client has to hear of it, whatever it is
             self.fault = in_one_line(f"{type(error).__name__}: {error}")
             return error_answer(number, "internal", f"an internal error: {self.fault}")
@@ -165,6 +166,8 @@ class Service:
             "outputs": [asdict(port) for port in simulation.outputs.values()],
             "step_size": simulation.step_size,
             "duration": simulation.duration,
+            "outcome": simulation.outcome.name.lower(),
+            "message": simulation.message,
             "time": simulation.time,
             "ended": simulation.ended,
         }

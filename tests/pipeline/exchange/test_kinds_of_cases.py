@@ -40,6 +40,7 @@ def test_events_of_a_scenario_come_with_the_steps_that_pass_them(phases):
             assert found == expected
             assert all(remote.time - 0.1 - 1e-9 <= line[0] <= remote.time + 1e-9 for line in found[before:])
         assert remote.time == direct.time < remote.duration
+        assert remote.outcome is hl.Outcome.COMPLETED
     assert {line[1] for line in found} == {"hoist", "hold", "drop"}
 
 
@@ -49,7 +50,9 @@ def test_a_limit_of_a_scenario_stops_the_run(phases):
     with hl.open_child(phases, out=phases / "out") as remote:
         with pytest.raises(hl.SimulationStopped, match="t = ") as caught:
             remote.step(5.0)
-        assert caught.value.outcome is hl.Outcome.LIMIT_REACHED
+        assert caught.value.outcome is remote.outcome is hl.Outcome.LIMIT_REACHED
+        assert remote.message == str(caught.value)
+        assert remote.ended
         child = remote._child
     assert child.returncode == int(hl.Outcome.LIMIT_REACHED)
     assert (phases / "out" / "simulate" / "results.h5").is_file()

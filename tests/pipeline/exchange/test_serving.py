@@ -96,7 +96,7 @@ PARENT = """
 import sys, time
 import heavylift as hl
 sim = hl.open_child(sys.argv[1])
-print(sim._child.pid, flush=True)
+print(sim.child_id, flush=True)
 if sys.argv[2] == "steps":
     sim.step(9e5)
 time.sleep(600)
