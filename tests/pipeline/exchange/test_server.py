@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 import random
+import socket
+import struct
 import time
 
 import pytest
@@ -292,6 +294,28 @@ def test_a_master_that_vanishes_leaves_the_run_to_another_one(serve):
     second.close(end=False)
     third = served.client()
     assert third.time == pytest.approx(0.6, abs=1e-12)
+
+
+@pytest.mark.parametrize("cut", [0, 3])
+def test_a_master_that_vanishes_within_a_message(served, hoist, cut):
+    """A whole message is done, with nobody to answer; a part of one is none."""
+    wire = served.wire()
+    wire.hello()
+    request = framed(msgpack.packb({"id": 2, "do": "step", "dt": 2.0}))
+    wire.send(request[: len(request) - cut])
+    wire.socket.setsockopt(
+        socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0)
+    )  # a reset, no farewell
+    wire.close()
+    observer = served.client("observer")
+    deadline = time.monotonic() + 20.0
+    while served.service.master is not None and time.monotonic() < deadline:
+        observer.get(NAMES)
+    assert served.service.master is None
+    if cut:
+        assert hoist.time == 0.0
+    assert hoist.time in (0.0, 2.0)  # the reset may overtake the message
+    served.client().step(0.1)
 
 
 def test_without_a_master_the_run_ends_after_a_while(serve):

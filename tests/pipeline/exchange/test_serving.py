@@ -14,6 +14,7 @@ import pytest
 import heavylift as hl
 from heavylift.numerics.outcome import InputError
 from heavylift.pipeline import load_case, load_results
+from heavylift.pipeline.exchange import client as client_module
 from heavylift.pipeline.exchange.serving import serve_case
 from heavylift.pipeline.log import Log
 from tests.pipeline.exchange.processes import COMMAND, HOIST, gone, started, until
@@ -115,6 +116,26 @@ def test_a_child_ends_when_its_parent_is_killed(what, long_case):
     parent.kill()
     parent.communicate()
     until(lambda: gone(child), 20.0)
+
+
+def test_a_child_that_is_killed_is_told_and_leaves_nothing():
+    with hl.open_child(HOIST) as remote:
+        os.kill(remote.child_id, signal.SIGKILL)
+        with pytest.raises(
+            hl.ExchangeError, match="has closed the connection: the process has ended with code -9"
+        ):
+            remote.step()
+    assert gone(remote.child_id)
+
+
+def test_a_child_that_hangs_is_told_after_the_time_that_is_given(monkeypatch):
+    monkeypatch.setattr(client_module, "STOP_SECONDS", 0.1)
+    remote = hl.open_child(HOIST)
+    remote._connection.settimeout(0.3)
+    os.kill(remote.child_id, signal.SIGSTOP)
+    with pytest.raises(hl.ExchangeError, match=r"no answer within 0\.3 s"):
+        remote.step()
+    assert gone(remote.child_id)
 
 
 def test_a_child_that_starts_ends_when_its_parent_is_gone():
