@@ -30,6 +30,7 @@ from heavylift.pipeline.exchange.protocol import (
     msgpack_library,
     unpacked,
 )
+from heavylift.pipeline.exchange.records import of_map
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -37,6 +38,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from heavylift.pipeline.stepping.simulation import InputInfo, OutputInfo
+    from heavylift.solver.linearise.result import Linearisation
 
 __all__ = ["ExchangeError", "RemoteEvent", "RemoteSimulation", "RemoteState", "connect", "open_child"]
 
@@ -277,6 +279,29 @@ class RemoteSimulation:
             self._changed(self._ask("restore", state=state._handle))  # noqa: SLF001
             return
         self._changed(self._ask("restore", bytes=state if isinstance(state, bytes) else state.to_bytes()))
+
+    def linearise(
+        self, inputs: Sequence[str] | None = None, outputs: Sequence[str] | None = None
+    ) -> Linearisation:
+        """Matrices and modes of small motions about the state now, which stays as it is.
+
+        Parameters
+        ----------
+        inputs, outputs
+            Names of inputs, all by default, and of outputs, none by default.
+
+        Raises
+        ------
+        InputError
+            If something of the scene has no linear motion, or a name is unknown.
+        """
+        from heavylift.solver.linearise.result import BodyShape, Linearisation
+
+        wanted = {"inputs": inputs, "outputs": outputs}
+        chosen = {key: list(names) for key, names in wanted.items() if names is not None}
+        found = of_map(self._ask("linearise", **chosen)["linearisation"])
+        found["shapes"] = {name: BodyShape(**shape) for name, shape in found["shapes"].items()}
+        return Linearisation(**found)
 
     def on_event(self, callback: Callable[[RemoteEvent], None]) -> None:
         """Call a function with each line of the log of the scenario, once a step has passed it."""

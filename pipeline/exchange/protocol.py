@@ -110,6 +110,7 @@ TYPES = {
     "values": "a list of numbers, and of lists of numbers for channels of several",
     "lines": "a list of maps: time, phase, event, what",
     "input list": "a list of maps: name, unit, sentence, interpolation, value, smallest, largest",
+    "record": "a map; in it arrays are maps: shape, complex, data (little-endian float64 by rows)",
     "output list": "a list of maps: name, unit, sentence",
 }
 """Words for the types of fields."""
@@ -251,6 +252,22 @@ MESSAGES = {
                 Field("bytes", "bytes", "a state of the same case", needed=False),
             ),
             (_TIME, _ENDED),
+        ),
+        Message(
+            "linearise",
+            False,
+            "Matrices and modes of small motions about the state of now, which stays.",
+            (
+                Field("inputs", "names", "inputs that are driven; all without it", needed=False),
+                Field("outputs", "names", "outputs of C and D; none without it", needed=False),
+            ),
+            (
+                Field(
+                    "linearisation",
+                    "record",
+                    "the fields of `heavylift.solver.linearise.result.Linearisation`",
+                ),
+            ),
         ),
         Message("free", False, "Forgets a state.", (Field("state", "integer", "its handle"),), ()),
         Message(

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from heavylift.numerics.outcome import InputError, in_one_line
 from heavylift.pipeline.exchange.protocol import PROTOCOL, FormatError, check_request
+from heavylift.pipeline.exchange.records import as_map
 from heavylift.pipeline.results.storage import StopError
 from heavylift.pipeline.stepping.state import State
 
@@ -88,6 +89,7 @@ class Service:
             "get": self._get,
             "save": self._save,
             "restore": self._restore,
+            "linearise": self._linearise,
             "free": self._free,
             "close": self._close,
         }
@@ -254,6 +256,11 @@ class Service:
         self.simulation.restore(state)
         self._events.clear()
         return {"time": self.simulation.time, "ended": self.simulation.ended}
+
+    def _linearise(self, request: dict[str, Any], seat: Seat) -> dict[str, Any]:
+        del seat
+        found = self.simulation.linearise(request.get("inputs"), request.get("outputs"))
+        return {"linearisation": as_map(found)}
 
     def _free(self, request: dict[str, Any], seat: Seat) -> dict[str, Any]:
         self._state(request["state"], seat, "free.state")
