@@ -23,6 +23,7 @@ __all__ = [
     "HEADER",
     "LARGEST_HELLO",
     "LARGEST_MESSAGE",
+    "LARGEST_QUESTION",
     "MESSAGES",
     "PROTOCOL",
     "Field",
@@ -41,6 +42,8 @@ HEADER = struct.Struct(">I")
 """The length in front of each message."""
 LARGEST_MESSAGE = 2**26
 """Bytes of a message; the state of a scene is the longest one."""
+LARGEST_QUESTION = 2**20
+"""Bytes of a request of an observer, who sends names alone."""
 LARGEST_HELLO = 4096
 """Bytes of the first request, which comes from anyone."""
 

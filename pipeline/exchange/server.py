@@ -21,6 +21,7 @@ from heavylift.pipeline.exchange.protocol import (
     HEADER,
     LARGEST_HELLO,
     LARGEST_MESSAGE,
+    LARGEST_QUESTION,
     FormatError,
     framed,
     msgpack_library,
@@ -52,6 +53,7 @@ SLOWEST = 2**20
 
 _READ, _WRITE = select.POLLIN, select.POLLOUT
 _NEVER = float("inf")
+_LARGEST = {"": LARGEST_HELLO, "observer": LARGEST_QUESTION, "master": LARGEST_MESSAGE}
 
 
 def _patience(size: int) -> float:
@@ -169,7 +171,7 @@ class _Client:
         if len(data) < HEADER.size:
             return 0
         length = HEADER.unpack_from(data)[0]
-        largest = LARGEST_MESSAGE if self.seat.role else LARGEST_HELLO
+        largest = _LARGEST[self.seat.role]
         if length > largest:
             raise FormatError(f"a message of {length} bytes, longer than {largest}")
         return HEADER.size + length if len(data) >= HEADER.size + length else 0

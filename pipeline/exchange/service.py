@@ -27,6 +27,10 @@ __all__ = ["RefusedError", "Seat", "Service", "error_answer"]
 
 LARGEST_COUNT = 1000
 """States that the server keeps for a master."""
+LARGEST_STATES = 2**30
+"""Bytes of them."""
+KNOWN_LISTS, KNOWN_NAMES = 100, 1000
+"""Lists of outputs whose columns are remembered, and names of one: those that are asked for at each step."""
 
 
 class RefusedError(RuntimeError):
@@ -214,9 +218,12 @@ class Service:
         if names not in self._columns:
             simulation = self.simulation
             single = all(isinstance(simulation[name], float) for name in names)
-            if len(self._columns) >= LARGEST_COUNT:
+            columns = simulation.columns(names) if single else None
+            if len(names) > KNOWN_NAMES:
+                return columns
+            if len(self._columns) >= KNOWN_LISTS:
                 self._columns.clear()
-            self._columns[names] = simulation.columns(names) if single else None
+            self._columns[names] = columns
         return self._columns[names]
 
     def _values(self, names: Sequence[str], columns: NDArray[np.int64] | None) -> list[Any]:
@@ -240,10 +247,12 @@ class Service:
             return {"bytes": state.to_bytes()}
         if seat is not self.master:
             raise RefusedError("the server keeps no states for observers: ask for bytes")
-        if len(seat.states) >= LARGEST_COUNT:
-            raise RefusedError(f"{LARGEST_COUNT} states are kept already: free some")
+        state = self.simulation.save()
+        size = sum(array.nbytes for array in state.arrays.values())
+        if len(seat.states) >= min(LARGEST_COUNT, max(1, LARGEST_STATES // size)):
+            raise RefusedError(f"{len(seat.states)} states of {size} bytes are kept already: free some")
         handle = next(seat.handles)
-        seat.states[handle] = self.simulation.save()
+        seat.states[handle] = state
         return {"state": handle}
 
     def _restore(self, request: dict[str, Any], seat: Seat) -> dict[str, Any]:

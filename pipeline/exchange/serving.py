@@ -85,8 +85,8 @@ def serve_case(
     assert port is not None
     if not 0 <= port <= 65535:
         raise InputError(f"{port}", source="--port", expected="0 to 65535")
-    if not wait >= 0.0:
-        raise InputError(f"{wait}", source="--wait", expected="seconds, or inf")
+    if not wait > 0.0:
+        raise InputError(f"{wait}", source="--wait", expected="more than 0 s, or inf")
     if log.quiet and token_file is None:
         raise InputError(
             "without '--token-file'", source="--quiet", expected="a file for the token that is not printed"

@@ -12,7 +12,14 @@ import pytest
 
 import heavylift as hl
 from heavylift.pipeline.exchange import server as server_module
-from heavylift.pipeline.exchange.protocol import HEADER, LARGEST_HELLO, LARGEST_MESSAGE, framed
+from heavylift.pipeline.exchange import service as service_module
+from heavylift.pipeline.exchange.protocol import (
+    HEADER,
+    LARGEST_HELLO,
+    LARGEST_MESSAGE,
+    LARGEST_QUESTION,
+    framed,
+)
 
 msgpack = pytest.importorskip("msgpack")
 
@@ -185,10 +192,34 @@ def test_malformed_bytes_get_one_error_and_end_the_connection_alone(served):
         assert wire.closed()
     observer = served.wire()
     observer.hello("observer")
-    observer.send(HEADER.pack(LARGEST_MESSAGE + 1))
+    observer.send(HEADER.pack(LARGEST_QUESTION + 1))
     refused(observer.answer(), "refused", "longer")
     assert observer.closed()
     master.step()
+    master._connection.sendall(HEADER.pack(LARGEST_MESSAGE + 1))
+    with pytest.raises(hl.ExchangeError, match="longer"):
+        master.step()
+
+
+def test_states_take_no_more_memory_than_is_said(served, monkeypatch):
+    wire = served.wire()
+    wire.hello()
+    size = sum(array.nbytes for array in served.simulation.save().arrays.values())
+    monkeypatch.setattr(service_module, "LARGEST_STATES", 3 * size + 1)
+    handles = [wire.ask("save")["state"] for _ in range(3)]
+    refused(wire.ask("save"), "refused", "3 states", "free")
+    wire.ask("free", state=handles[0])
+    assert wire.ask("save")["ok"]
+
+
+def test_lists_of_outputs_are_not_remembered_for_ever(served, monkeypatch):
+    monkeypatch.setattr(service_module, "KNOWN_LISTS", 3)
+    monkeypatch.setattr(service_module, "KNOWN_NAMES", 4)
+    wire = served.wire()
+    wire.hello()
+    for count in range(1, 8):
+        assert len(wire.ask("get", outputs=NAMES[:1] * count)["values"]) == count
+    assert 0 < len(served.service._columns) <= 3
 
 
 def test_random_bytes_never_end_the_server(served):

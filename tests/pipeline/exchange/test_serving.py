@@ -153,7 +153,7 @@ def test_a_child_that_starts_ends_when_its_parent_is_gone():
         ({"port": 5000, "pipe": True}, "serve", "both"),
         ({"port": None, "pipe": True, "token_file": Path("token")}, "--token-file", "--pipe"),
         ({"port": 70000, "pipe": False}, "--port", "70000"),
-        ({"port": 0, "pipe": False, "wait": -1.0}, "--wait", "-1"),
+        ({"port": 0, "pipe": False, "wait": 0.0}, "--wait", "more than 0"),
         ({"port": 0, "pipe": False, "wait": float("nan")}, "--wait", "nan"),
         ({"port": 0, "pipe": False, "host": "no.such.host.invalid"}, "serve", "no.such.host.invalid"),
         ({"port": 0, "pipe": False, "log": Log(quiet=True)}, "--quiet", "--token-file"),
