@@ -61,7 +61,13 @@ def long_case(tmp_path):
     return folder
 
 
-@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT, signal.SIGHUP])
+@pytest.mark.parametrize(
+    "number",
+    [
+        signal.SIGTERM,
+        *(pytest.param(each, marks=pytest.mark.slow) for each in (signal.SIGINT, signal.SIGHUP)),
+    ],
+)
 def test_a_signal_ends_the_run_and_its_results_are_kept(tmp_path, number):
     server, file = started(HOIST, tmp_path / "token", "--out", str(tmp_path / "out"))
     assert file.stat().st_mode & 0o777 == 0o600
@@ -128,6 +134,7 @@ def test_a_child_that_is_killed_is_told_and_leaves_nothing():
     assert gone(remote.child_id)
 
 
+@pytest.mark.slow
 def test_a_child_that_hangs_is_told_after_the_time_that_is_given(monkeypatch):
     monkeypatch.setattr(client_module, "STOP_SECONDS", 0.1)
     remote = hl.open_child(HOIST)
@@ -173,6 +180,7 @@ def test_a_port_that_is_taken_and_a_file_that_cannot_be_written(served, tmp_path
     assert os.listdir(tmp_path) == []  # noqa: PTH208
 
 
+@pytest.mark.slow
 def test_a_folder_that_is_taken_is_refused_before_the_run(tmp_path):
     out = tmp_path / "out"
     with hl.open_child(HOIST, out=out) as first:
