@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 import random
 import socket
 import struct
+import threading
 import time
 
 import pytest
@@ -257,6 +259,58 @@ def test_a_message_that_comes_byte_by_byte_and_two_at_once_are_answered(served):
     times = [wire.answer()["time"] for _ in range(50)]
     assert times == sorted(times)
     assert times[-1] == pytest.approx(0.51, abs=1e-12)
+
+
+def test_many_requests_at_once_with_long_answers_are_answered_in_order(served):
+    wire = served.wire()
+    wire.hello()
+    names = [*served.simulation.outputs] * 100
+    count = 100
+
+    def ask() -> None:
+        for number in range(count):
+            wire.send(framed(msgpack.packb({"id": number, "do": "get", "outputs": names})))
+
+    asking = threading.Thread(target=ask)
+    asking.start()
+    time.sleep(0.2)  # the buffers of both sides are full
+    answers = [wire.answer() for _ in range(count)]
+    asking.join()
+    assert [answer["id"] for answer in answers] == list(range(count))
+    assert all(answer["values"] == answers[0]["values"] for answer in answers)
+
+
+def test_what_is_sent_faster_than_it_is_done_stays_with_who_sends_it(served):
+    wire, peak = served.wire(), []
+    wire.hello()
+    client = next(iter(served.server._clients.values()))
+    request = framed(msgpack.packb({"id": 1, "do": "get", "outputs": []}))
+
+    def ask() -> None:
+        with contextlib.suppress(OSError):  # until the connection is closed
+            for _ in range(200):
+                wire.send(request * 1000)
+
+    asking = threading.Thread(target=ask)
+    asking.start()
+    for _ in range(300):
+        peak.append(len(client.incoming))
+        time.sleep(1e-3)
+    wire.socket.shutdown(socket.SHUT_RDWR)
+    asking.join()
+    assert 0 < max(peak) <= 2 * server_module.PIECE
+
+
+def test_a_long_step_costs_nobody_his_time(served, hoist, monkeypatch):
+    monkeypatch.setattr(server_module, "HELLO_SECONDS", 0.4)
+    master, late = served.client(), served.wire()
+    step = type(hoist).step
+    monkeypatch.setattr(type(hoist), "step", lambda *given: (time.sleep(1.0), step(*given))[1])
+    stepping = threading.Thread(target=master.step)
+    stepping.start()
+    time.sleep(0.2)
+    assert late.hello("observer")["ok"]  # it was said in time
+    stepping.join()
 
 
 def test_clients_that_say_nothing_or_not_all_are_left(served, monkeypatch):
