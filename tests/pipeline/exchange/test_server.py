@@ -444,3 +444,38 @@ def test_a_client_whose_server_is_gone_says_so(served):
         remote.step()
     with pytest.raises(hl.ExchangeError, match=str(served.port)):
         hl.connect("127.0.0.1", served.port, "x")
+
+
+@pytest.mark.parametrize(
+    ("answer", "words"),
+    [
+        (b"HTTP/1.1 400 Bad Request\r\n\r\n", "not a server of heavylift"),
+        (framed(b"\x90"), "not a server of heavylift"),
+        (framed(b"\xc1"), "not a server of heavylift"),
+        (framed(msgpack.packb({"id": 1, "ok": False})), "an answer to something else"),
+        (framed(msgpack.packb({"id": 5, "ok": True})), "an answer to something else"),
+        (framed(msgpack.packb({"id": 1, "ok": True}))[:-1], "has closed the connection"),
+        (b"", "has closed the connection"),
+        (None, r"no answer within 0\.2 s"),
+    ],
+)
+def test_a_server_of_something_else(answer, words):
+    with socket.create_server(("127.0.0.1", 0)) as listener:
+
+        def serve() -> None:
+            connection, _ = listener.accept()
+            with connection:
+                if answer is not None:
+                    connection.recv(1000)
+                    connection.sendall(answer)
+                else:
+                    connection.recv(1000)
+                    connection.recv(1000)  # until the client gives up
+
+        thread = threading.Thread(target=serve)
+        thread.start()
+        with pytest.raises(hl.ExchangeError, match=words):
+            hl.connect(
+                "127.0.0.1", listener.getsockname()[1], "x", timeout=5.0 if answer is not None else 0.2
+            )
+        thread.join()
