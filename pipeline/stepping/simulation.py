@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from heavylift.pipeline.case.case_file import Case
     from heavylift.pipeline.results.histories import Results
     from heavylift.pipeline.stages.work import StageReport
+    from heavylift.solver.linearise.result import Linearisation
     from heavylift.solver.scenario.operation import LogLine
     from heavylift.solver.simulation import Simulation as Solver
 
@@ -544,6 +545,26 @@ class Simulation:
     def _records(self) -> Iterator[tuple[NDArray[np.float64], NDArray[np.float64]]]:
         for _, times, rows in self._history:
             yield times, rows
+
+    def linearise(
+        self, inputs: Sequence[str] | None = None, outputs: Sequence[str] | None = None
+    ) -> Linearisation:
+        """Matrices and modes of small motions about the state now, which stays as it is.
+
+        Parameters
+        ----------
+        inputs, outputs
+            Names of inputs, all by default, and of outputs, none by default.
+
+        Raises
+        ------
+        InputError
+            If something of the scene has no linear motion, or a name is unknown.
+        """
+        from heavylift.solver.linearise.linearise import linearise
+
+        with in_case(self.case):
+            return linearise(self._solver, inputs, outputs)
 
     def results(self) -> Results:
         """Histories so far, as `heavylift.load_results` gives them."""
