@@ -66,6 +66,8 @@ SMALLEST_WEIGHT = 1e-3
 AT_REST = ("equilibrium", "relax")
 """Starts in static equilibrium."""
 
+ROUNDING = 1e-12
+"""Of a number of steps."""
 FIRST_STEP = 1e-3
 """Of the output interval: the first step that is tried with a tolerance."""
 PROBE_STEP, SMALLEST_PROBE = 1e-4, 1e-8
@@ -698,17 +700,18 @@ class Simulation:
                 key=str(settings[0][0]),
                 expected="settings before its end",
             )
-        self.inputs.put(settings, self.time)
-        self._layout.work.control.corner = 0
-        if self._anew is not None:
-            self._anew(self.time)
+        if self.inputs.put(settings, self.time):
+            self._layout.work.control.corner = 0
+            if self._anew is not None:
+                self._anew(self.time)
 
     def _last_possible(self, first: int, last: int) -> int:
-        """Last step up to which inputs can drive what they drive."""
-        end = self.inputs.ends[0]
+        """Last step up to which inputs can drive what they drive, at a record."""
+        end, every = self.inputs.ends[0], self.record_every
         if not end < last * self.step:
             return last
-        return max(first, min(last, int(end / self.step)))
+        whole = math.floor(end / (self.step * every) * (1.0 + ROUNDING))
+        return max(first, min(last, whole * every))
 
     def _left_range(self, records: NDArray[np.float64], number: int = 0) -> int:
         """Number of the record at which a body has left the range of its modes, with which the run ends; or -1.

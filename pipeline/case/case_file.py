@@ -47,7 +47,7 @@ if TYPE_CHECKING:
     from heavylift.pipeline.case.meshes import FrameBodySection, ShellBodySection
     from heavylift.pipeline.case.scenario import Known
 
-__all__ = ["CASE_FILE", "Case", "load_case"]
+__all__ = ["ASKING", "CASE_FILE", "Case", "check_values", "load_case", "make_case", "read_document"]
 
 CASE_FILE = "case.toml"
 _HERE = "heavylift.pipeline.case"
@@ -73,7 +73,15 @@ class _CaseHeading(Section):
 
 
 class Case(SceneTables, _CaseHeading):
-    """The content of a case file in SI units; made by `load_case`."""
+    """The content of a case file in SI units; made by `load_case`.
+
+    Examples
+    --------
+    >>> import heavylift as hl
+    >>> case = hl.load_case("cases/hoist")
+    >>> case.ropes[0].length, case.simulate.step
+    (100.0, 0.01)
+    """
 
     reference: tuple[ReferenceSection, ...] = ()
     """Recorded histories to compare with."""
@@ -546,6 +554,12 @@ def load_case(
         If the file is missing or is no TOML.
     InputErrors
         Everything that is wrong with its content, one line each.
+
+    Examples
+    --------
+    >>> import heavylift as hl
+    >>> hl.load_case("cases/hoist", ["ropes.fall.length=101 m"]).ropes[0].length
+    101.0
     """
     file = Path(path)
     if file.is_dir():
@@ -555,6 +569,37 @@ def load_case(
     document, changed = apply_overrides(document, overrides, Case)
     if overrides:
         check_values(document, file)
+    return make_case(document, file, overrides, changed, further=further)
+
+
+def make_case(
+    document: dict[str, Any],
+    file: Path,
+    overrides: Sequence[str] = (),
+    changed: Mapping[str, str] | None = None,
+    *,
+    further: Callable[[Case], list[InputError]] | None = None,
+) -> Case:
+    """Check a document that is in memory, as `load_case` checks that of a file.
+
+    Parameters
+    ----------
+    document
+        As read from TOML, with values that `check_values` has found sound; it is not changed.
+    file
+        The case file that it is, or would be: names of files are relative to its folder, messages name it.
+    overrides
+        Changes that are made already.
+    changed
+        Dotted keys that they set, with the text of the override.
+    further
+        As for `load_case`.
+
+    Raises
+    ------
+    InputErrors
+        Everything that is wrong with it, one line each.
+    """
     expansion = expand(document, file)
     placed, unplaced = put_interface_points(with_lug_interfaces(expansion.document), file)
     equipped = equip(placed, file)
@@ -579,7 +624,7 @@ def load_case(
     errors = [*expansion.errors, *(e for e in errors if _in_block(e.key))] or errors
     errors = [e for e in errors if _in_builder(e.key)] or errors
     if errors:
-        raise InputErrors([*expansion.told(equipped.told(errors), changed), *more])
+        raise InputErrors([*expansion.told(equipped.told(errors), changed or {}), *more])
     return case
 
 

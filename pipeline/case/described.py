@@ -2,6 +2,7 @@
 
 # Annotations are evaluated by pydantic, so the imports below are needed at run time.
 
+import contextlib
 import importlib
 from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import MISSING
@@ -357,7 +358,9 @@ class _InUnitsOfTheJoint:
         if value is None or "joint" not in info.data:
             return [] if isinstance(value, list) else 0.0
         context = CaseContext.of(info)
-        joints = {} if context is None else context.names.joints
+        if context is None:  # no joints are known: either will do
+            return [self._either(one) for one in value] if isinstance(value, list) else self._either(value)
+        joints = context.names.joints
         kind = joints.get(info.data["joint"], "")
         if has_both(kind) and info.data.get("coordinate") is None:
             reject(
@@ -367,6 +370,11 @@ class _InUnitsOfTheJoint:
         slides = joint_coordinate(kind, info.data.get("coordinate")) == "travel"
         quantity = self.quantities.travel if slides else self.quantities.angle
         return parse_list(quantity, value) if isinstance(value, list) else quantity.parse(value)
+
+    def _either(self, value: Any) -> float:
+        with contextlib.suppress(InputError):
+            return self.quantities.angle.parse(value)
+        return self.quantities.travel.parse(value)
 
 
 class _ReadsTable:

@@ -13,7 +13,7 @@ from heavylift.pipeline.case.described import Chosen, Later
 from heavylift.pipeline.case.fields import TAG
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping, Sequence
+    from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
     from pathlib import Path
 
     from pydantic import ValidationError
@@ -32,7 +32,12 @@ _MISSING = object()
 
 
 def input_errors(
-    error: ValidationError, document: dict[str, Any], root: type[BaseModel], file: Path
+    error: ValidationError,
+    document: dict[str, Any],
+    root: type[BaseModel],
+    file: Path | str,
+    *,
+    without: Collection[str] = (),
 ) -> list[InputError]:
     """Turn what pydantic found into one `InputError` a problem.
 
@@ -46,9 +51,13 @@ def input_errors(
         Its model.
     file
         Its file, for the messages.
+    without
+        Types of pydantic errors that are left out.
     """
     found = []
-    for item in _causes(error.errors(include_url=False), document):
+    for item in _causes(
+        [one for one in error.errors(include_url=False) if one["type"] not in without], document
+    ):
         keys, value = _place(document, item)
         context = item.get("ctx", {})
         below = context.get("key", "") or getattr(context.get("error"), "key", "")

@@ -67,6 +67,7 @@ __all__ = [
     "UniqueName",
     "VelocityVector",
     "as_list",
+    "files_read",
     "parse_list",
     "quantity_schema",
     "refuse_unknown",
@@ -419,6 +420,14 @@ _NEIGHBOURS = (".1", ".3", ".8", ".9", ".hst", ".sti", ".mas", ".dof")
 """Endings of files that are read because one of the same name is: numeric files of WAMIT, matrices of CalculiX."""
 
 
+def files_read(path: Path) -> Iterator[Path]:
+    """Files that are read for one that a case names: those of a folder, or itself and what is beside it."""
+    if path.is_dir():
+        yield from sorted(path.glob("*.dat"))
+    else:
+        yield from (path, *_neighbours(path))
+
+
 def _neighbours(path: Path) -> Iterator[Path]:
     """Files beside an input that are read with it, if they are there."""
     for base in {path.name, path.stem}:
@@ -478,7 +487,7 @@ class InFolder:
                 f"a {what} in the case folder",
             )
         path = context.folder / value
-        for part in sorted(path.glob("*.dat")) if self.folder else (path, *_neighbours(path)):
+        for part in files_read(path):
             _refuse_outside(part, root, value)
         return value
 

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
     from pydantic import BaseModel
 
-__all__ = ["apply_overrides", "override_text"]
+__all__ = ["REMOVED", "apply_overrides", "assign", "entry_index", "override_text"]
 
 
 REMOVED = object()
@@ -32,8 +32,9 @@ def apply_overrides(
     document
         As read from TOML.
     overrides
-        ``key=value`` with a dotted key (list elements by index from 0) and a TOML value; a value that is
-        no TOML is taken as text, so that a shell may swallow its quotes. ``key=`` without a value removes the key.
+        ``key=value`` with a dotted key (list elements by index from 0, or by their name) and a TOML value; a value
+        that is no TOML is taken as text, so that a shell may swallow its quotes. ``key=`` without a value removes the
+        key.
     root
         Model of the document, which knows the keys that may be added.
 
@@ -53,8 +54,7 @@ def apply_overrides(
         if not sign or not key.strip():
             raise InputError(f"{text!r}", source="--set", expected='key=value, e.g. simulate.step="0.1 us"')
         given = _value(value.strip()) if value.strip() else REMOVED
-        _assign(document, key.strip().split("."), given, root, text)
-        changed[key.strip()] = text
+        changed[assign(document, key.strip().split("."), given, root, f"--set {text}")] = text
     return document, changed
 
 
@@ -81,47 +81,90 @@ def _value(text: str) -> Any:
         return text
 
 
-def _assign(document: dict[str, Any], keys: list[str], value: Any, root: type[BaseModel], text: str) -> None:
-    """Set or remove one key, adding optional tables on the way."""
+def entry_index(entries: list[Any], key: str) -> int | None:
+    """Index of an entry of a list by a part of a dotted key: its index from 0, or its name; None if there is none."""
+    if key.isdecimal():
+        return int(key) if len(key) <= 9 and int(key) < len(entries) else None
+    return next((index for index, entry in enumerate(entries) if key and _name(entry) == key), None)
+
+
+def _name(entry: Any) -> Any:
+    """Name of an entry of a list, if it has one."""
+    return entry.get("name", entry.get("id")) if isinstance(entry, dict) else None
+
+
+def assign(
+    document: dict[str, Any], keys: Sequence[str], value: Any, root: type[BaseModel], source: str
+) -> str:
+    """Set or remove one key of a document in place, adding optional tables on the way.
+
+    Parameters
+    ----------
+    document
+        As read from TOML.
+    keys
+        Parts of the dotted key; of an element of a list its index from 0, or its name.
+    value
+        In its place; `REMOVED` takes it away.
+    root
+        Model of the document, which knows the keys that may be added.
+    source
+        Who wants it so, for the messages.
+
+    Returns
+    -------
+    str
+        The dotted key with indices in place of names.
+
+    Raises
+    ------
+    InputError
+        If the key leads nowhere.
+    """
     node: Any = document
     sections = [root]
+    places: list[str] = []
     for depth, key in enumerate(keys):
         last = depth == len(keys) - 1
         path = ".".join(keys[: depth + 1])
         if isinstance(node, list):
-            if not key.isdecimal() or len(key) > 9 or int(key) >= len(node):
+            index = entry_index(node, key)
+            if index is None:
+                names = [name for name in map(_name, node) if isinstance(name, str)]
+                near = nearest(key, names)
+                hint = f"; did you mean {near!r}?" if near else ""
+                named = f", or one of: {', '.join(names)}" if names else ""
                 raise InputError(
-                    f"{path} does not exist",
-                    source=f"--set {text}",
-                    expected=f"an index from 0 to {len(node) - 1}",
+                    f"{path} does not exist{hint}",
+                    source=source,
+                    expected=f"an index from 0 to {len(node) - 1}{named}" if node else "a list with entries",
                 )
+            places.append(str(index))
             if last and value is REMOVED:
-                del node[int(key)]
+                del node[index]
             elif last:
-                node[int(key)] = value
+                node[index] = value
             else:
-                node = node[int(key)]
+                node = node[index]
             continue
         if not isinstance(node, dict):
             raise InputError(
-                f"{path} does not exist",
-                source=f"--set {text}",
-                expected=f"{'.'.join(keys[:depth])} is a value",
+                f"{path} does not exist", source=source, expected=f"{'.'.join(keys[:depth])} is a value"
             )
+        places.append(key)
         if keys[0] == "repeat" and depth == 2:  # the tables of a block have the keys of those they stand for
             sections = [*sections, root]
         below = sections_below(sections, key)
         if key not in node and key not in known_keys(sections):
             near = nearest(key, [*node, *sorted(known_keys(sections))])
             hint = f"; did you mean {near!r}?" if near else ""
-            raise InputError(
-                f"{path} does not exist{hint}", source=f"--set {text}", expected="a key of the case"
-            )
+            raise InputError(f"{path} does not exist{hint}", source=source, expected="a key of the case")
         sections = below or sections
         if value is REMOVED and (last or key not in node):
             node.pop(key, None)
-            return
+            break
         if last:
             node[key] = value
         else:
             node = node.setdefault(key, {})
+    return ".".join(places)

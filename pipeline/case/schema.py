@@ -33,13 +33,17 @@ if TYPE_CHECKING:
     from pydantic.json_schema import JsonSchemaValue
     from pydantic_core import core_schema
 
+    from heavylift.pipeline.case.fields import Section
     from heavylift.solver.scene.descriptions import ChannelKind
 
 __all__ = [
+    "KeyWords",
     "case_schema",
     "channel_schema",
     "key_pages",
     "key_tables",
+    "section_keys",
+    "section_schema",
     "section_tables",
 ]
 
@@ -55,6 +59,39 @@ def case_schema() -> dict[str, Any]:
         "title": "heavylift case",
         **{key: value for key, value in schema.items() if key != "title"},
     }
+
+
+def section_schema(section: type[Section]) -> dict[str, Any]:
+    """JSON Schema of a section alone, as that of a case has it; sections below it are its ``$defs``."""
+    return section.model_json_schema(mode="validation", schema_generator=_Described)
+
+
+class KeyWords(NamedTuple):
+    """A key of a section in words: what it may be, its default if it has one, its sentence."""
+
+    key: str
+    value: str
+    default: str
+    sentence: str
+    needed: bool
+
+
+def section_keys(section: type[Section]) -> tuple[str, list[KeyWords], list[dict[str, Any]]]:
+    """Sentence, keys and channels of a section."""
+    schema = section_schema(section)
+    titles = {name: name.rpartition("__")[2].removesuffix("Section") for name in schema.get("$defs", {})}
+    needed = set(schema.get("required", ()))
+    keys = [
+        KeyWords(
+            key,
+            _plain(_words(node, titles)),
+            "" if key in needed else _plain(_default(node)),
+            _plain(_sentence(node.get("description", ""))),
+            key in needed,
+        )
+        for key, node in schema.get("properties", {}).items()
+    ]
+    return _plain(_sentence(schema.get("description", ""))), keys, schema.get("channels", [])
 
 
 def channel_schema(owner: str, channels: Sequence[ChannelKind]) -> list[dict[str, Any]]:

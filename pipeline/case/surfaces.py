@@ -68,7 +68,9 @@ class SurfaceSection(Section):
     @model_validator(mode="after")
     def _has_one_source(self, info: ValidationInfo) -> Self:
         context = CaseContext.of(info)
-        owner = "" if context is None else context.names.body_types.get(self.body, "")
+        if context is None:  # the body may be a surface itself
+            return self
+        owner = context.names.body_types.get(self.body, "")
         if owner in OWN_SURFACE:
             self._is_its_own(owner)
             return self

@@ -13,15 +13,19 @@ from cyclopts import App
 from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.pipeline.commands.command_line import (
     Animate,
+    At,
     CaseArgument,
     CasesArgument,
+    Count,
     Export,
     Force,
+    Inputs,
     Json,
     KindNames,
     NewFolder,
     NewKind,
     Out,
+    Outputs,
     Quiet,
     SendCommand,
     Set,
@@ -281,12 +285,44 @@ def scenario(
     return guarded(command, quiet=quiet, json=json)
 
 
+@app.command
+def eigen(
+    case: CaseArgument,
+    *,
+    at: At = "start",
+    count: Count = None,
+    input_: Inputs = (),
+    output: Outputs = (),
+    out: Out = None,
+    set_: Set = (),
+    quiet: Quiet = False,
+    json: Json = False,
+) -> int:
+    """Frequencies, damping and shapes of small motions about a state of the whole scene, and its linear system."""
+
+    def command(log: "Log") -> int:
+        from heavylift.pipeline.commands.eigen import eigen_command
+
+        document, words = eigen_command(
+            case, out=out, overrides=set_, at=at, inputs=input_ or None, outputs=output, count=count, log=log
+        )
+        if json:
+            print_json(document)
+        elif not quiet:
+            print_lines(words)
+        return 0
+
+    return guarded(command, quiet=quiet, json=json)
+
+
 for _command in (*PAGE_COMMANDS, *SEA_COMMANDS, *EXCHANGE_COMMANDS, *FMU_COMMANDS, *COUPLE_COMMANDS):
     app.command(_command)
 
 
 @app.command
-def schema(section: str = "", /, *, tables: bool = False, out: Path | None = None) -> int:
+def schema(
+    section: str = "", /, *, tables: bool = False, python: bool = False, out: Path | None = None
+) -> int:
     """Print the keys of a section of case.toml; without one, the JSON Schema for editors.
 
     Parameters
@@ -295,6 +331,8 @@ def schema(section: str = "", /, *, tables: bool = False, out: Path | None = Non
         As ropes, joints.hinge, bodies.geometry; case lists the sections.
     tables
         Tables of all keys in Markdown instead.
+    python
+        Types of the Python package instead, as heavylift/__init__.pyi.
     out
         With --tables: folder for a page a table and an index, as docs/case_keys.
     """
@@ -322,6 +360,11 @@ def schema(section: str = "", /, *, tables: bool = False, out: Path | None = Non
             return 0
 
         return guarded(command, quiet=True, json=False)
+    if python:
+        from heavylift.pipeline.model.stub import stub_text
+
+        print_lines([stub_text().removesuffix("\n")])
+        return 0
     if tables:
         from heavylift.pipeline.case.schema import key_tables
 

@@ -19,15 +19,19 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Animate",
+    "At",
     "CaseArgument",
     "CasesArgument",
+    "Count",
     "Export",
     "Force",
+    "Inputs",
     "Json",
     "KindNames",
     "NewFolder",
     "NewKind",
     "Out",
+    "Outputs",
     "Quiet",
     "SendCommand",
     "Set",
@@ -83,6 +87,35 @@ SendCommand = Annotated[
         name=("--send", "--tell"),
         help="Send this operator command to the run that works in the output folder.",
         show_default=False,
+    ),
+]
+At = Annotated[
+    str,
+    Parameter(
+        name="--at",
+        help="'start' of the run; 'rest', where the scene is in static equilibrium; or a time of the run [s].",
+    ),
+]
+Count = Annotated[
+    int | None,
+    Parameter(name="--count", help="Modes in the table, slowest first; default: all.", show_default=False),
+]
+Inputs = Annotated[
+    tuple[str, ...],
+    Parameter(
+        name="--input",
+        help="An input of B and D; may be repeated; default: all.",
+        show_default=False,
+        negative="",
+    ),
+]
+Outputs = Annotated[
+    tuple[str, ...],
+    Parameter(
+        name="--output",
+        help="An output of C and D, e.g. sling_1.tension or module.position.z; may be repeated; default: none.",
+        show_default=False,
+        negative="",
     ),
 ]
 Quiet = Annotated[bool, Parameter(name="--quiet", help="Print errors only.", negative="")]

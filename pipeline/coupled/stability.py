@@ -78,7 +78,8 @@ class ExchangeStability:
         """In words."""
         words = f"loop gain {self.gain:.3g}"
         if self.stable:
-            return f"stable with {self.interval:g} s between exchanges, {words}"
+            slow = f"deviations grow {self.growth:.4f} times in each, " if self.growth > 1.001 else ""
+            return f"stable with {self.interval:g} s between exchanges, {slow}{words}"
         return (
             f"unstable with {self.interval:g} s between exchanges: deviations grow {self.growth:.3g} times in each, "
             + words
@@ -262,4 +263,14 @@ def _largest_root(histories: Sequence[NDArray[np.float64]]) -> float:
     u, s, vt = np.linalg.svd(x, full_matrices=False)
     rank = int(np.count_nonzero(s > NOISE * s[0]))
     roots = np.linalg.eigvals((u[:, :rank].T @ y @ vt[:rank].T) / s[:rank])
-    return float(np.abs(roots).max(initial=0.0))
+    largest = float(np.abs(roots).max(initial=0.0))
+    return largest if largest <= 1.0 else max(1.0, min(largest, _amplification(whole)))
+
+
+def _amplification(whole: NDArray[np.float64]) -> float:
+    """Growth in an exchange from the second to the last quarter: a root that grows and is no rounding is seen there."""
+    count = whole.shape[1]
+    quarter = count // 4
+    sizes = np.abs(whole).max(axis=2)
+    ratios = sizes[:, -quarter:].max(axis=1) / np.maximum(sizes[:, quarter : 2 * quarter].max(axis=1), 1e-300)
+    return float(ratios.max() ** (1.0 / (0.5 * count)))

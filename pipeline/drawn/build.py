@@ -260,6 +260,7 @@ def elements(scene: Scene) -> list[d.Element]:
         *scene.transporters,
         *at_sea,
         *scene.sensors,
+        *scene.inputs,
     )
     return [element for thing in things for element in getattr(thing, "drawn", tuple)()]
 

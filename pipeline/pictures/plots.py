@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import math
 import re
+from functools import cache
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -33,6 +34,7 @@ __all__ = [
     "energy_plot",
     "few_colours",
     "figure_png",
+    "history_figure",
     "history_plot",
     "plain_text",
     "plot_figure",
@@ -96,7 +98,7 @@ def history_plot(
     stacked: bool = False,
     bands: Sequence[tuple[str, float, float]] = (),
 ) -> bytes:
-    """Curves over time.
+    """Curves over time, as a picture.
 
     Parameters
     ----------
@@ -114,14 +116,34 @@ def history_plot(
         Names of parts of the time, and where they begin and end [s]; every other one is shaded.
     """
     groups = [[curve] for curve in series] if stacked else [list(series)]
+    figure = history_figure(times, [(unit, group) for group in groups], title=title, bands=bands)
+    return few_colours(figure_png(figure))
+
+
+def history_figure(
+    times: NDArray[np.float64],
+    groups: Sequence[tuple[str, Sequence[Series]]],
+    *,
+    title: str,
+    bands: Sequence[tuple[str, float, float]] = (),
+) -> Any:
+    """Curves over time, as a `matplotlib.figure.Figure`.
+
+    Parameters
+    ----------
+    times, title, bands
+        As of `history_plot`.
+    groups
+        Curves that share axes, below each other: their SI unit, which is written with a prefix that suits them.
+    """
     rows = len(groups)
-    figure = plot_figure(0.9 + (1.25 * rows if rows > 1 else 3.2))
-    panels = figure.subplots(rows, 1, sharex=True, squeeze=False)[:, 0]
+    heights = [1.25 if len(group) == 1 else 2.0 for _, group in groups]
+    figure = plot_figure(0.9 + (sum(heights) if rows > 1 else 3.2))
+    panels = figure.subplots(rows, 1, sharex=True, squeeze=False, height_ratios=heights)[:, 0]
     time_unit = scaled_unit("s", [times])
-    scale = scaled_unit(unit, [curve.values for curve in series])
     number = 0
-    for axes, group in zip(panels, groups, strict=True):
-        own = scaled_unit(unit, [curve.values for curve in group]) if stacked else scale
+    for axes, (unit, group) in zip(panels, groups, strict=True):
+        own = scaled_unit(unit, [curve.values for curve in group])
         for curve in group:
             t, y = envelope(times, curve.values)
             colour = COLOURS[number % len(COLOURS)]
@@ -132,17 +154,18 @@ def history_plot(
         tidy_axes(axes)
         axes.set_xlim(times[0] / time_unit.divisor, max(times[-1], times[0] + 1e-12) / time_unit.divisor)
         shade(axes, bands, time_unit.divisor, named=axes is panels[-1])
-        if stacked and rows > 1:
+        if rows > 1 and len(group) == 1:
             axes.set_ylabel(f"{plain_text(group[0].label)}\n[{_unit(own.text)}]", color=INK, fontsize=9)
-            axes.yaxis.set_major_locator(_few_ticks())
         else:
             axes.set_ylabel(f"[{_unit(own.text)}]", color=INK)
-    if not stacked and len(series) > 1:
-        add_legend(panels[0])
+        if rows > 1:
+            axes.yaxis.set_major_locator(_few_ticks())
+        if len(group) > 1:
+            add_legend(axes)
     panels[-1].set_xlabel(f"time [{time_unit.text}]", color=INK)
     figure.align_ylabels(panels)
     add_title(figure, title)
-    return few_colours(figure_png(figure))
+    return figure
 
 
 def spectrum_plot(
@@ -357,9 +380,18 @@ def _peak_labels(axes: Any, peaks: Sequence[tuple[float, float, str, float]]) ->
 
 def plot_figure(height: float) -> Any:
     """An empty figure of the width of a report and a height [in]."""
+    return _figure_class()(figsize=(_WIDTH, height), dpi=_DPI, facecolor="white", layout="constrained")
+
+
+@cache
+def _figure_class() -> Any:
+    """Class of figures that a notebook shows as pictures, whatever draws its other figures."""
     from matplotlib.figure import Figure
 
-    return Figure(figsize=(_WIDTH, height), dpi=_DPI, facecolor="white", layout="constrained")
+    def picture(self: Any) -> bytes:
+        return figure_png(self)
+
+    return type("PlotFigure", (Figure,), {"__doc__": "A figure of results.", "_repr_png_": picture})
 
 
 def tidy_axes(axes: Any) -> None:

@@ -23,6 +23,7 @@ import numpy as np
 
 from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.numerics.units import Kind, parse_unit
+from heavylift.numerics.words import nearest
 from heavylift.pipeline.case.channel_names import (
     combination_of,
     combined_kind,
@@ -42,6 +43,7 @@ from heavylift.pipeline.results.storage import (
     replacing,
     sync_file,
 )
+from heavylift.pipeline.results.tables import data_frame, dataset
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -279,6 +281,13 @@ class Results:
         Outcome, step, digests, versions and sources.
     meshes
         File with the shapes of frames and shells, if there may be one.
+
+    Examples
+    --------
+    >>> import heavylift as hl
+    >>> results = hl.load("cases/hoist").run()
+    >>> results["load.position"].shape, results.components("load.position"), results.unit("load.position")
+    ((101, 3), ('x', 'y', 'z'), 'm')
     """
 
     def __init__(
@@ -343,7 +352,7 @@ class Results:
             name,
             pattern,
             (channel.partition(".")[0] for channel in self._channels),
-            lambda owner: self._term(substituted(name, pattern, owner)),
+            lambda owner: self.term(substituted(name, pattern, owner)),
         )
         return tuple(substituted(name, pattern, owner) for owner in owners)
 
@@ -353,13 +362,15 @@ class Results:
             return self._combinations[name]
         combination = combination_of(name)
         if combination is None:
+            near = nearest(name, self._channels)
+            hint = f"; did you mean {near!r}?" if near else ""
             raise InputError(
-                f"channel {name!r} does not exist",
-                source=self.source,
+                f"channel {name!r} does not exist{hint}",
+                source=self.told_as,
                 expected=f"one of: {', '.join(self._channels)}",
             )
         terms = [
-            self._term(one)
+            self.term(one)
             for term in combination.terms
             for one in (self.fitting(term) if combination.function == "sum" else (term,))
         ]
@@ -370,7 +381,7 @@ class Results:
             if values.shape != first.shape or (values.ndim > 1 and info.components != components):
                 raise InputError(
                     f"{name!r} combines {len(components)} components with {len(info.components)}",
-                    source=self.source,
+                    source=self.told_as,
                     expected="channels with the same components, or one component of each",
                 )
         values = first
@@ -386,7 +397,7 @@ class Results:
         self._combinations[name] = values, ChannelInfo(name, unit, columns, 0)
         return self._combinations[name]
 
-    def _term(self, name: str) -> tuple[NDArray[np.float64], ChannelInfo]:
+    def term(self, name: str) -> tuple[NDArray[np.float64], ChannelInfo]:
         """Records of a channel, of a component of one, or of a combination."""
         *parts, last = split_name(name)
         whole = ".".join(parts)
@@ -396,12 +407,17 @@ class Results:
         if last not in info.components:
             raise InputError(
                 f"{name!r} does not exist",
-                source=self.source,
+                source=self.told_as,
                 expected=f"a component: {', '.join(info.components[:20])}",
             )
         values = self[whole]
         column = values if values.ndim == 1 else values[:, info.components.index(last)]
         return column, info._replace(name=name, components=(last,))
+
+    @property
+    def told_as(self) -> object:
+        """What messages call it: where it comes from."""
+        return self.source
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -454,6 +470,20 @@ class Results:
     def outcome(self) -> str:
         """How the run ended, e.g. ``"completed"``; ``"unfinished"`` if it was cut off."""
         return str(self.metadata.get("outcome", "unfinished"))
+
+    def to_xarray(self, *names: str) -> Any:
+        """Channels, all without names, as an `xarray.Dataset` over ``time``, with units and components.
+
+        See `heavylift.pipeline.results.tables.dataset`; needs the extra ``data``.
+        """
+        return dataset(self, names or self.names)
+
+    def to_pandas(self, *names: str) -> Any:
+        """Channels, all without names, as a `pandas.DataFrame`: a column for each component, the index is the time [s].
+
+        See `heavylift.pipeline.results.tables.data_frame`; needs the extra ``data``.
+        """
+        return data_frame(self, names or self.names)
 
     def channel(self, name: str) -> ChannelInfo:
         """Unit and components of a channel or combination; an unknown name is an `InputError`."""
@@ -508,6 +538,13 @@ def load_results(source: Case | Path | str, out: Path | str | None = None) -> Re
     ------
     InputError
         If there are no results, or the file is truncated; the message says how to make them.
+
+    Examples
+    --------
+    >>> import heavylift as hl
+    >>> report = hl.run_case(hl.load_case("cases/hoist"), stages=("simulate",))
+    >>> print(f"{hl.load_results('cases/hoist')['fall.tension'][0]:.0f} N")
+    4905000 N
     """
     file = _results_file(source, out)
     folder = OutputFolder(file.parent.parent)

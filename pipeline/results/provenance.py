@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, get_args
 
 from heavylift.numerics.packages import version_of
 from heavylift.pipeline.case.connectivity import connected_to_hull
-from heavylift.pipeline.case.fields import InFolder, Section
+from heavylift.pipeline.case.fields import InFolder, Section, files_read
 from heavylift.pipeline.case.interfaces import holding_joints, pulled_points, pulling_joints
 from heavylift.pipeline.case.tables import SceneTables
 from heavylift.pipeline.results.storage import digest_file, digest_json, read_json
@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "database_digest",
+    "files_of_case",
     "memory_digest",
     "mesh_digest",
     "modes_digest",
@@ -254,6 +255,23 @@ def simulate_digest(case: Case) -> str:
             for name, section in case.databases.items()
         }
     return _digest("simulate", {"bodies": bodies, **scene})
+
+
+def files_of_case(case: Case) -> set[str]:
+    """Names, relative to its folder, of all files that a case needs: that it names, or that are read with those."""
+    from heavylift.preprocess.finite_elements.named_files import mesh_files
+
+    root = case.folder.resolve()
+    paths = {
+        case.folder / name for name in _files_in([getattr(case, key) for key in type(case).model_fields])
+    }
+    for body in case.bodies.values():
+        geometry = getattr(body, "geometry", None)
+        if geometry is not None and geometry.type == "matrices":
+            paths |= {case.folder / name for name in geometry.matrix_files().values()}
+    found = {part for path in paths for part in files_read(path) if part.is_file()}
+    found |= {part for path in found for part in mesh_files(path, case.folder)}
+    return {path.relative_to(root if path.is_relative_to(root) else case.folder).as_posix() for path in found}
 
 
 def _files_in(node: Any) -> set[str]:

@@ -158,6 +158,13 @@ def run_case(
         Bad input, or an output folder that cannot be one.
     StopError
         If another run holds the folder.
+
+    Examples
+    --------
+    >>> import heavylift as hl
+    >>> report = hl.run_case(hl.load_case("cases/hoist"), stages=("mesh", "modes", "simulate"))
+    >>> report.outcome.text, report.folder.results.name
+    ('completed', 'results.h5')
     """
     from heavylift.pipeline.stages.report import report_stage
     from heavylift.pipeline.stages.simulate import simulate_stage

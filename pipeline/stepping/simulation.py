@@ -438,7 +438,7 @@ class Simulation:
                 wanted.append((name, value[0], value[1], end))
             elif name in ports and ports[name].interpolation == "linear" and isinstance(value, Real):
                 now = ports.value(name)[0]
-                wanted.append((name, now, (value - now) / (count * solver.step), end))
+                wanted.append((name, now, (float(value) - now) / (count * solver.step), end))
             else:
                 wanted.append((name, value, 0.0, math.inf))
         solver.set_inputs(wanted)

@@ -83,11 +83,6 @@ class TiltTargetInput(OnController):
         """Its limits leave a range."""
         check_limits(spec)
 
-    @staticmethod
-    def part(spec: Any) -> tuple[str, ...]:
-        """Which of them."""
-        return (spec.keeps,)
-
     @property
     def sentence(self) -> str:
         """What it is, in words."""
@@ -112,11 +107,6 @@ class HeightTargetInput(OnController):
     def check(spec: Any) -> None:
         """Its limits leave a range."""
         check_limits(spec)
-
-    @staticmethod
-    def part(spec: Any) -> tuple[str, ...]:
-        """Which of them."""
-        return (spec.keeps,)
 
     @property
     def sentence(self) -> str:

@@ -18,14 +18,11 @@ from heavylift.solver.kinds import implement
 from heavylift.solver.recording import outputs_at
 from heavylift.solver.scene.inputs import ForceInputOutputs
 
-__all__ = ["ACTS", "CARRIED", "InputEntry", "InputState", "Inputs"]
+__all__ = ["ACTS", "InputEntry", "InputState", "Inputs"]
 
 ACTS = ("", "force", "moment", "load")
 """How an input acts, by number: not itself; on a point; on three directions of a body; along a joint."""
 ELSEWHERE, FORCE, MOMENT, LOAD = range(4)
-
-CARRIED = ("winches", "rubbing_winches", "levels", "profiles", "aims", "winds", "turns")
-"""Tables that inputs write and that nothing else carries."""
 
 input_outputs = outputs_at(ForceInputOutputs)
 
@@ -67,10 +64,10 @@ class Inputs(Arrays):
     ----------
     table, state
         The inputs; what they were set to, carried.
-    winches, rubbing_winches, levels, profiles, aims, winds, turns
+    winches, rubbing_winches, levels, profiles, aims, fields, heights, turns
         Numbers of the tables that inputs write, carried here: rows of winches, of those of ropes over sheaves that rub,
-        levels of tanks, profiles of drives, aims of controllers, winds and their directions; empty where nothing writes
-        them, or a scenario carries them.
+        levels of tanks, profiles of drives, aims of controllers, winds and currents, their speeds over the height and
+        their directions; empty where nothing writes them, or a scenario carries them.
     """
 
     carried_fields: ClassVar[tuple[str, ...]] = (
@@ -80,7 +77,8 @@ class Inputs(Arrays):
         "levels",
         "profiles",
         "aims",
-        "winds",
+        "fields",
+        "heights",
         "turns",
     )
 
@@ -91,7 +89,8 @@ class Inputs(Arrays):
     levels: Floats1
     profiles: Floats1
     aims: Floats1
-    winds: Floats1
+    fields: Floats1
+    heights: Floats1
     turns: Floats1
 
 

@@ -33,8 +33,8 @@ def pack(inputs: Sequence[Any], context: PackingContext) -> None:
     state = records(InputState, len(inputs))
     state["value"] = [one.start for one in inputs]
     state["until"] = math.inf
-    none = np.zeros(0)
-    context.add_forces(Inputs(records(InputEntry, table), state, none, none, none, none, none, none, none))
+    tables = dict.fromkeys(Inputs.carried_fields[1:], np.zeros(0))
+    context.add_forces(Inputs(table=records(InputEntry, table), state=state, **tables))
 
 
 def _place(one: Any, context: PackingContext) -> dict[str, Any]:

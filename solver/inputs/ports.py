@@ -180,17 +180,23 @@ class InputPorts(Mapping[str, Port]):
                 )
         self.refresh()
 
-    def put(self, settings: Iterable[tuple[str, float, float, float]], time: float) -> None:
-        """Set inputs from a time on [s], all or none; see `heavylift.solver.simulation.Simulation.set_input`.
+    def put(self, settings: Iterable[tuple[str, float, float, float]], time: float) -> bool:
+        """Set inputs from a time on [s], all or none; see `heavylift.solver.simulation.Simulation.set_inputs`.
+
+        Returns
+        -------
+        bool
+            Whether anything has changed.
 
         Raises
         ------
         InputError
             If a setting makes no sense; then nothing is changed.
         """
-        planned = [self._planned(*setting, time) for setting in settings]
+        asked = [self._planned(*setting, time) for setting in settings]
+        planned = [one for one in asked if one is not None]
         if self._bound is None or not planned:
-            return
+            return False
         for place, value, rate, until, end in planned:
             state = self._state[place]
             self._bound.targets[place].put(time, value, rate, until)
@@ -198,16 +204,19 @@ class InputPorts(Mapping[str, Port]):
             self._ends[place] = end
             self.heard += 1
         self._derive()
+        return True
 
     def _planned(
         self, name: str, value: float, rate: float, until: float, time: float
-    ) -> tuple[int, float, float, float, tuple[float, str]]:
-        """Place of an input, what it is set to, and its end; all checks of a setting."""
+    ) -> tuple[int, float, float, float, tuple[float, str]] | None:
+        """Place of an input, what it is set to, and its end, or None if it is so already; all checks of a setting."""
         port = self[name]
         assert self._bound is not None
         place = self._places[name]
         target = self._bound.targets[place]
         value, rate, until = self._numbers(name, value, rate, until, time)
+        if rate == 0.0 and self.at(name, time) == (value, 0.0):
+            return None  # it is so already
         stop = time if rate == 0.0 or math.isinf(until) else until
         if target.steady and rate != 0.0:
             self._refuse(name, f"a rate of {rate:g} {port.unit}/s", "rate 0: it holds what it is set to")

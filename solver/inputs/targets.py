@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from numbers import Real
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -299,6 +301,69 @@ class AimTarget(Target):
         self._aims[self._number].value = value
 
 
+class FlowTarget(Target):
+    """The speed of a wind or a current, with all that follows from it: profile and gust.
+
+    Parameters
+    ----------
+    loads, number
+        Kind of the loads, and which of its fields.
+    field
+        The wind or current.
+    """
+
+    steady = True
+    lowest = 0.0
+
+    def __init__(self, loads: Any, number: int, field: Any) -> None:
+        from heavylift.solver.scene.wind_loads import WindField
+        from heavylift.solver.water.wind.spectrum import LARGEST_CURRENT, LARGEST_WIND
+
+        self._loads, self._number, self._field = loads, number, field
+        self._blows = isinstance(field, WindField)
+        self.highest = LARGEST_WIND if self._blows else LARGEST_CURRENT
+
+    def start(self) -> float | None:
+        """Its speed without an input, as the case gives it."""
+        return float(self._field.speed)
+
+    def put(self, time: float, value: float, rate: float, until: float) -> None:
+        """The field."""
+        del time, rate, until
+        from heavylift.solver.water.wind.packing import put_wind
+
+        data = self._loads.fields[self._number]
+        rows = np.array([[0.0, value]])
+        if self._blows:
+            rows, _ = put_wind(replace(self._field, speed=value), data)
+        if len(rows):
+            self._loads.profiles[int(data.profile_first)].value = rows[0, 1]
+
+
+class TurnTarget(Target):
+    """The direction of a wind or a current.
+
+    Parameters
+    ----------
+    turns, first
+        Directions over the time, and the first of its two rows.
+    """
+
+    def __init__(self, turns: Any, first: int) -> None:
+        self._turns, self._first = turns, first
+
+    def start(self) -> float | None:
+        """Its direction without an input."""
+        return float(self._turns[self._first].value)
+
+    def put(self, time: float, value: float, rate: float, until: float) -> None:
+        """Two rows, held behind the second one."""
+        span = min(until - time, FOREVER) if rate != 0.0 else 1.0
+        begin, end = self._turns[self._first], self._turns[self._first + 1]
+        begin.at, begin.value = time, value
+        end.at, end.value = time + span, value + rate * span
+
+
 def bind_inputs(
     scene: Any,
     kinds: tuple[tuple[Any, ...], tuple[Any, ...], tuple[Any, ...]],
@@ -373,6 +438,7 @@ class _Binder:
             "drive": self._drive,
             "tank": self._tank,
             "controller": self._aim,
+            "fluid": self._fluid,
         }
         found: Target = made[one.DRIVES](one)
         return found
@@ -391,6 +457,9 @@ class _Binder:
         found: dict[str, Any] = {}
         if "controller" in driven:
             found["aims"] = self._controllers.aims
+        if "fluid" in driven:
+            loads = self._loads
+            found |= {"fields": loads.fields, "heights": loads.profiles, "turns": loads.turns}
         if self._scene.scenario is not None:
             return found
         if "winch" in driven:
@@ -407,6 +476,39 @@ class _Binder:
     @property
     def _hulls(self) -> Any:
         return next(kind for kind in self._kinds[0] if kind.FLOATS)
+
+    @property
+    def _loads(self) -> Any:
+        from heavylift.solver.water.wind.forces import FluidLoads
+
+        return next(kind for kind in self._forces if isinstance(kind, FluidLoads))
+
+    def _fluid(self, one: Any) -> Target:
+        from heavylift.solver.water.wind.forces import TablePoint
+
+        what = one.PART
+        names = [field.name for field in self._scene.sea.fields]
+        number = names.index(one.fluid)
+        field, loads = self._scene.sea.fields[number], self._loads
+        if not isinstance(getattr(field, what), Real) or (
+            what == "speed" and getattr(field, "fluctuation", None) is not None
+        ):
+            raise InputError(
+                f"the {what} of {one.fluid!r} is a table, or fluctuates",
+                source=one.name,
+                key="fluid",
+                expected=f"a wind or current with a constant {what}",
+            )
+        if what == "speed":
+            return FlowTarget(loads, number, field)
+        place = next(i for i, kind in enumerate(self._forces) if kind is loads)
+        data = loads.fields[number]
+        turns = records(TablePoint, [*loads.turns, *records(TablePoint, 2)])
+        data.turn_first, data.turn_count = len(turns) - 2, 2
+        self._forces[place] = loads._replace(turns=turns)
+        target = TurnTarget(turns, len(turns) - 2)
+        target.put(0.0, float(field.direction), 0.0, math.inf)
+        return target
 
     @property
     def _columns(self) -> dict[str, int]:

@@ -109,7 +109,7 @@ def _law(scene: Scene, integrator: str) -> str:
         return f"contact {first.name!r} opens and closes"
     if scene.transporters:
         return f"transporter {scene.transporters[0].name!r} rides on bogies without mass"
-    if reason := _obstacle((*scene.ropes, *scene.forces), integrator):
+    if reason := _obstacle((*scene.ropes, *scene.forces, *scene.inputs), integrator):
         return reason
     for joint in scene.joints:
         if any(joint_stops(joint)):

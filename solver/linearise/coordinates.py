@@ -104,7 +104,8 @@ class Independent:
             rows.fill()
             gap = rows.residual[rows.rigid]
             worst = float(np.abs(gap).max(initial=0.0))
-            if worst == 0.0 or (worst <= CLOSED * self._size and worst > 0.3 * last):
+            goal = CLOSED * self._size
+            if worst <= goal and (worst > 0.3 * last or worst <= 1e-3 * goal):
                 return
             last = worst
             increment = np.zeros(len(rows.inertia))

@@ -28,6 +28,7 @@ from heavylift.numerics.words import nearest
 from heavylift.solver.integrate.loop import write_record
 from heavylift.solver.kinds import Table
 from heavylift.solver.linearise.coordinates import Independent
+from heavylift.solver.linearise.memory_states import MemoryStates
 from heavylift.solver.linearise.modes import find_modes
 from heavylift.solver.linearise.rates import find_middle
 from heavylift.solver.linearise.result import BodyShape, Linearisation
@@ -45,6 +46,10 @@ STEP, STEP_MOVING = 1e-7, 1e-5
 """Of the accelerations [s], with a half and a quarter of it; longer about a state that moves, where rounding of the
 velocities counts."""
 
+RESOLVED, SHORTEST = 2e-3, 1e-10
+"""Step times the fastest eigenvalue, beyond which a shorter one is taken, and the shortest [s]: errors are its third
+power."""
+
 DIFFERENCE, DIFFERENCE_MOVING = 1e-6, 1e-4
 """Displacement of the difference quotients, relative to the size of the scene, or in radians; of both sorts of
 states."""
@@ -60,6 +65,9 @@ HOLD = 1e-4
 
 BALANCED = 1e-5
 """Acceleration relative to gravity that a state in balance may have left."""
+
+WEAK = 0.1
+"""Acceleration [m/s2] that stands for gravity where there is less."""
 
 SLOWEST = 1e-4
 """Rate of an eigenvalue that is zero, relative to that of a pendulum as long as the scene."""
@@ -160,7 +168,7 @@ def _output_columns(simulation: Simulation, names: Sequence[str] | None) -> _Col
     whole: dict[str, list[str]] = {}
     for channel in simulation.channels:
         for k, component in enumerate(channel.components):
-            name = f"{channel.name}.{component}" if component else channel.name
+            name = f"{channel.name}.{component}" if len(channel.components) > 1 else channel.name
             every[name] = channel.unit, channel.column + k
             whole.setdefault(channel.name, []).append(name)
     chosen: list[str] = []
@@ -208,6 +216,8 @@ class _Probe:
         self._free.close()
         self._kept = _Kept(layout)
         self._w = self._velocity[self._free.chosen]
+        self._memory = MemoryStates(layout)
+        self._m = self._memory.values
 
     def _extent(self) -> float:
         """Size of the scene [m]."""
@@ -240,57 +250,57 @@ class _Probe:
             self._system.rows["reaction"] = self._system.rows["impulse"] * (2.0 / step)
         return (8.0 * found[2] - 6.0 * found[1] + found[0]) / 3.0
 
-    def _at(self, z: NDArray[np.float64], w: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Rates of the states at displacements and velocities, and the record there, one behind the other."""
+    def _at(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Rates of the states at deviations of them, and the record there, one behind the other."""
         self._kept.put_back()
-        rows, free = self._rows, self._free
+        rows, free, n = self._rows, self._free, len(self._w)
+        z, w, m = x[:n], x[n : 2 * n], x[2 * n :]
         increment = free.N @ z
         if z.any():
             rows.move(increment)
             rows.start()
             free.close()
         free.put_velocity(self._w + w)
+        self._memory.put(self._m + m)
         speed = rows.survey()[2] - self._velocity
         for first in rows.frame_starts:  # in axes that turn
             spin = self._velocity[first + 3 : first + 6]
             speed[first + 3 : first + 6] -= np.cross(spin, increment[first + 3 : first + 6])
         self._all = self._acceleration()
+        chosen = free.chosen
+        rates = [speed[chosen], self._all[chosen], self._memory.rates()]
         self._record(self._time, self._row)
-        return np.concatenate([speed[free.chosen], self._all[free.chosen], self._row])
+        return np.concatenate([*rates, self._row])
 
     def linearise(self, columns: _Columns) -> Linearisation:
         """Differences by all states."""
-        n = len(self._free.chosen)
+        n, more = len(self._w), len(self._m)
+        count = 2 * n + more
         steps = self._steps()
         rates = DIFFERENCE / self._difference * VELOCITY * np.maximum(1.0, np.abs(self._w))
-        scale = np.concatenate([steps, rates * steps])
-        base = self._at(np.zeros(n), np.zeros(n))
-        residual = self._mean(self._all)
-        M = np.zeros((len(base), 2 * n))
-        differences = []
-        for k in range(2 * n):
-            x = np.zeros(2 * n)
-            x[k] = scale[k]
-            ahead, behind = self._at(x[:n], x[n:]), self._at(-x[:n], -x[n:])
-            M[:, k] = (ahead - behind) / (2.0 * scale[k])
-            differences.append(tuple(
-                float(np.abs(part[n : 2 * n] / steps).max())
-                for part in (ahead + behind - 2.0 * base, ahead - behind)
-            ))  # fmt: skip
-        A, C = M[: 2 * n], M[2 * n :]
+        scale = np.concatenate([steps, rates * steps, np.full(more, self._difference * self._size)])
+        while True:
+            base = self._at(np.zeros(count))
+            residual = self._mean(self._all)
+            M = np.zeros((len(base), count))
+            suspects = []
+            for k in range(count):
+                M[:, k], first, second = self._difference_by(k, scale[k], base)
+                suspects.append((float(np.abs(first / steps).max()), float(np.abs(second / steps).max())))
+            A, C = M[:count], M[count:]
+            if self._is_short_for(A):
+                break
         states, units = self._names()
         rate = math.sqrt(self._gravity / self._size) if self._gravity > 0.0 else 1.0
-        sizes = np.concatenate([steps, rate * steps]) / self._difference
-        values, vectors, zeros = find_modes(A, sizes, max(SLOWEST * rate, self._noise()))
-        warnings = self._warnings(
-            residual, [states[k] for k in self._corners(differences, float(steps.min(initial=1.0)))]
-        )
+        sizes = np.concatenate([steps, rate * steps, scale[2 * n :]]) / self._difference
+        values, vectors, parts, zeros = find_modes(A, sizes, max(SLOWEST * rate, self._noise()))
+        corners = self._corners(suspects, scale, base, steps)
         vectors = self._normalised(C[:, :n], vectors)
         shapes, participation = self._shapes(C[:, :n], vectors[:n])
         return Linearisation(
             time=self._time,
             A=A,
-            B=np.zeros((2 * n, 0)),
+            B=np.zeros((count, 0)),
             C=C[columns.places],
             D=np.zeros((len(columns.places), 0)),
             states=states,
@@ -304,26 +314,63 @@ class _Probe:
             zeros=zeros,
             shapes=shapes,
             participation=participation,
+            water=parts[2 * n :].sum(axis=0),
+            water_states=more,
             residual=residual,
             speed=self._mean(self._velocity),
-            warnings=warnings,
+            warnings=self._warnings(residual, [states[k] for k in corners]),
         )
+
+    def _is_short_for(self, A: NDArray[np.float64]) -> bool:
+        """Whether the step resolves the fastest eigenvalue; else a shorter one is to be tried."""
+        fastest = float(np.abs(np.linalg.eigvals(A)).max(initial=0.0))
+        if fastest * self._step <= RESOLVED or self._step <= SHORTEST:
+            return True
+        self._step = max(RESOLVED / (2.0 * fastest), SHORTEST)
+        return False
+
+    def _difference_by(
+        self, k: int, step: float, base: NDArray[np.float64]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+        """Derivatives by a state, and first and second differences of the accelerations."""
+        x = np.zeros(2 * len(self._w) + len(self._m))
+        x[k] = step
+        ahead, behind = self._at(x), self._at(-x)
+        accelerations = slice(len(self._w), 2 * len(self._w))
+        first, second = ahead - behind, ahead + behind - 2.0 * base
+        return first / (2.0 * step), first[accelerations], second[accelerations]
 
     def _noise(self) -> float:
         """Rate [1/s] that rounding of velocities makes of an eigenvalue that is zero twice."""
         fastest = float(np.abs(self._velocity).max(initial=0.0))
         return math.sqrt(ROUNDING * fastest / (self._step * self._difference * self._size))
 
-    def _corners(self, differences: list[tuple[float, ...]], smallest: float) -> list[int]:
-        """States with which rates change otherwise forwards than backwards, from second and first differences."""
-        largest = max((first for _, first in differences), default=0.0)
-        noise = NOISE * (self._gravity / smallest + largest)
-        return [k for k, (second, first) in enumerate(differences) if second > ONE_SIDED * first + noise]
+    def _corners(
+        self,
+        suspects: list[tuple[float, float]],
+        scale: NDArray[np.float64],
+        base: NDArray[np.float64],
+        steps: NDArray[np.float64],
+    ) -> list[int]:
+        """States with which accelerations change otherwise forwards than backwards.
+
+        Second differences of what is smooth fall to a quarter with half of the displacement, those of a corner to a
+        half.
+        """
+        largest = max((first for first, _ in suspects), default=0.0)
+        noise = NOISE * (self._gravity / float(steps.min(initial=1.0)) + largest)
+        found = []
+        for k, (first, second) in enumerate(suspects):
+            if second > ONE_SIDED * first + noise:
+                half = float(np.abs(self._difference_by(k, 0.5 * scale[k], base)[2] / steps).max())
+                if abs(half / second - 0.5) < 0.1:
+                    found.append(k)
+        return found
 
     def _warnings(self, residual: float, bent: list[str]) -> tuple[str, ...]:
         """What limits the use of the result."""
         found = []
-        if residual > BALANCED * max(self._gravity, 1e-3):
+        if residual > BALANCED * max(self._gravity, WEAK):
             found.append(
                 f"the state is not in balance: bodies accelerate by {residual:.3g} m/s2 in the mean over the"
                 " masses, and deviations from the motion that follows are described, not from rest"
@@ -366,38 +413,48 @@ class _Probe:
             if channel.name.endswith(".position")
         }
         widths = np.bincount(rows.owner, minlength=len(self._places))
+        spins = set(rows.frame_starts.tolist())
         shapes, participation = {}, {}
         for number, name in enumerate(self._layout.body_names):
-            first = int(self._places[number, 0])
-            R = rotation_matrix(self._places[number, 4:8])
-            shapes[name] = BodyShape((C[positions[name]] @ z).T, (R @ U[first + 3 : first + 6]).T)
-            ends = np.array([first, first + 3, first + 6, first + widths[number]])
-            parts = np.array([energy[i:j].sum(axis=0) for i, j in pairwise(ends)]).T
-            participation[name] = parts
+            first, width = int(self._places[number, 0]), int(widths[number])
+            moved = turned = np.zeros((3, z.shape[1]), dtype=np.complex128)
+            ends = [first, first, first, first + width]
+            if name in positions:
+                moved = C[positions[name]] @ z
+            if first in spins:
+                ends[1:3] = first + 3, first + 6
+                turned = rotation_matrix(self._places[number, 4:8]) @ U[first + 3 : first + 6]
+            shapes[name] = BodyShape(moved.T, turned.T)
+            participation[name] = np.array([energy[i:j].sum(axis=0) for i, j in pairwise(ends)]).T
         return shapes, participation
 
     def _steps(self) -> NDArray[np.float64]:
         """Displacement of the difference quotients by state."""
         rows, chosen = self._rows, self._free.chosen
         within = chosen - rows.owner_starts[np.searchsorted(rows.owner_starts, chosen, side="right") - 1]
-        steps = np.where(within < 3, self._size, 1.0)
-        modal = within >= 6
-        if modal.any():
-            steps[modal] = self._size * math.sqrt(float(rows.inertia.max()))
+        frame = np.isin(chosen - within, rows.frame_starts)
+        steps = np.full(len(chosen), self._size)
+        steps[frame & (within >= 3)] = 1.0
+        steps[frame & (within >= 6)] = self._size * math.sqrt(float(rows.inertia.max(initial=0.0)))
         return self._difference * steps
 
     def _names(self) -> tuple[tuple[str, ...], tuple[str, ...]]:
         """Of the states, and their units."""
         rows, starts = self._rows, self._rows.owner_starts
+        frames = set(rows.frame_starts.tolist())
         places, speeds, units, rates = [], [], [], []
         for column in self._free.chosen.tolist():
-            k = column - int(starts[np.searchsorted(starts, column, side="right") - 1])
-            body = self._layout.body_names[rows.owner[column]]
-            if k < 6:
+            first = int(starts[np.searchsorted(starts, column, side="right") - 1])
+            body, k = self._layout.body_names[rows.owner[column]], column - first
+            if first not in frames:
+                places.append(f"{body}.node.{k // 3 + 1}.{'xyz'[k % 3]}")
+                speeds.append(f"{body}.node.{k // 3 + 1}.velocity.{'xyz'[k % 3]}")
+                units.append("m")
+                rates.append("m/s")
+            elif k < 6:
                 what, speed = (("", "velocity."), ("rotation.", "angular_velocity."))[k // 3]
-                axis = "xyz123"[k]
-                places.append(f"{body}.{what}{axis}")
-                speeds.append(f"{body}.{speed}{axis}")
+                places.append(f"{body}.{what}{'xyz123'[k]}")
+                speeds.append(f"{body}.{speed}{'xyz123'[k]}")
                 units.append("m" if k < 3 else "rad")
                 rates.append("m/s" if k < 3 else "rad/s")
             else:
@@ -405,4 +462,5 @@ class _Probe:
                 speeds.append(f"{body}.modal_velocity.{k - 5}")
                 units.append("kg^(1/2) m")
                 rates.append("kg^(1/2) m/s")
-        return (*places, *speeds), (*units, *rates)
+        memory = tuple(self._memory.names)
+        return (*places, *speeds, *memory), (*units, *rates, *("m" for _ in memory))

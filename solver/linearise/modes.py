@@ -25,7 +25,7 @@ INDEPENDENT = 1e-3
 
 def find_modes(
     A: NDArray[np.float64], scale: NDArray[np.float64], slowest: float
-) -> tuple[NDArray[np.complex128], NDArray[np.complex128], int]:
+) -> tuple[NDArray[np.complex128], NDArray[np.complex128], NDArray[np.float64], int]:
     """Modes of ``x' = A x``.
 
     Parameters
@@ -44,16 +44,20 @@ def find_modes(
         each independent motion.
     vectors
         Eigenvectors with a largest component of 1 in units of the scale, shape (n, modes).
+    parts
+        Part of each state in each mode, shape (n, modes): products of left and right eigenvectors (I. J. Perez-Arriaga,
+        G. C. Verghese and F. C. Schweppe, IEEE Trans. PAS 101, 1982), as parts of the sum of their moduli.
     zeros
         Eigenvalues that are zero, velocities included.
     """
-    from scipy.linalg import schur
+    from scipy.linalg import eig, schur
 
     count = len(A)
     if count == 0:
-        return np.zeros(0, dtype=np.complex128), np.zeros((0, 0), dtype=np.complex128), 0
+        nothing = np.zeros((0, 0))
+        return np.zeros(0, dtype=np.complex128), nothing.astype(np.complex128), nothing, 0
     S = A / scale[:, None] * scale
-    values, vectors = np.linalg.eig(S)
+    values, left, vectors = eig(S, left=True)
     limit = max(slowest, ROUNDING * float(np.abs(values).max()))
     still = np.abs(values) <= limit
     zeros, null = int(np.count_nonzero(still)), np.zeros((count, 0))
@@ -67,7 +71,9 @@ def find_modes(
     both = np.hstack([null.astype(np.complex128), found])
     largest = both[np.abs(both).argmax(axis=0), np.arange(both.shape[1])]
     both = both / largest * scale[:, None]
-    return np.concatenate([np.zeros(null.shape[1]), values[order]]), both, zeros
+    parts = np.hstack([np.abs(null) ** 2, np.abs(left[:, order] * vectors[:, order])])
+    parts = parts / parts.sum(axis=0)
+    return np.concatenate([np.zeros(null.shape[1]), values[order]]), both, parts, zeros
 
 
 def _independent(values: NDArray[np.complex128], vectors: NDArray[np.complex128]) -> NDArray[np.complex128]:

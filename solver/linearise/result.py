@@ -67,6 +67,8 @@ class Linearisation:
     participation
         Parts of each body in the kinetic energy of the modes, by name, shape (modes, 3): its translation, its
         rotation and its deformation. Water that moves with a hull is left out.
+    water, water_states
+        Part that the memory of the water about hulls has in the modes, shape (modes,), and how many states it has.
     residual
         Acceleration that is left at the state, root of its mean square over the masses [m/s2]; rounding in balance.
     speed
@@ -91,6 +93,8 @@ class Linearisation:
     zeros: int
     shapes: Mapping[str, BodyShape]
     participation: Mapping[str, NDArray[np.float64]]
+    water: NDArray[np.float64]
+    water_states: int
     residual: float
     speed: float
     warnings: tuple[str, ...] = ()
@@ -112,6 +116,19 @@ class Linearisation:
         """Numbers of the modes that grow, faster than rounding lets a mode grow that does not."""
         size = np.abs(self.eigenvalues)
         return np.flatnonzero(self.eigenvalues.real > GROWS * size)
+
+    @property
+    def of_bodies(self) -> NDArray[np.int64]:
+        """Numbers of the modes that are motions of bodies, as many as these have, by the smallest part of the water."""
+        left = len(self.states) - self.water_states - self.zeros
+        chosen = np.flatnonzero(self.eigenvalues == 0.0).tolist()
+        moving = np.flatnonzero(self.eigenvalues != 0.0)
+        for mode in moving[np.argsort(self.water[moving], kind="stable")].tolist():
+            left -= 2 if self.eigenvalues[mode].imag > 0.0 else 1
+            if left < 0:
+                break
+            chosen.append(mode)
+        return np.sort(np.array(chosen, dtype=np.int64))
 
     def transfer(self, omega: NDArray[np.float64] | float) -> Complex:
         """Outputs by inputs that oscillate, ``C (i omega - A)^-1 B + D``.
@@ -140,8 +157,8 @@ class Linearisation:
             How many modes; all if None.
         """
         lines = [f"{'mode':>4}  {'frequency':>11}  {'period':>10}  {'damping':>9}  what moves"]
-        modes = len(self.eigenvalues)
-        for mode in range(modes if count is None else min(count, modes)):
+        of_bodies = self.of_bodies
+        for mode in of_bodies[:count].tolist():
             s = self.eigenvalues[mode]
             if s == 0.0:
                 what = f"{'free':>11}  {'':>10}  {'':>9}"
@@ -149,11 +166,14 @@ class Linearisation:
                 word = "grows in" if s.real > 0.0 else "fades in"
                 what = f"{word:>11}  {1.0 / abs(s.real):8.4g} s  {'':>9}"
             else:
-                frequency = self.frequencies[mode]
-                what = f"{frequency:8.4g} Hz  {1.0 / frequency:8.4g} s  {self.damping[mode]:9.2g}"
+                frequency, damping = float(self.frequencies[mode]), float(self.damping[mode])
+                damping = damping if abs(damping) > GROWS else 0.0
+                what = f"{frequency:8.4g} Hz  {1.0 / frequency:8.4g} s  {damping:9.2g}"
             lines.append(f"{mode + 1:>4}  {what}  {self._movers(mode)}")
-        if modes > len(lines) - 1:
-            lines.append(f"and {modes - len(lines) + 1} faster ones")
+        if len(of_bodies) > len(lines) - 1:
+            lines.append(f"and {len(of_bodies) - len(lines) + 1} faster ones")
+        if len(of_bodies) < len(self.eigenvalues):
+            lines.append(f"and {len(self.eigenvalues) - len(of_bodies)} of the memory of the water")
         return "\n".join(lines)
 
     def _movers(self, mode: int) -> str:

@@ -4,8 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from heavylift.numerics.outcome import InputError
 from heavylift.solver.scene.connections import controlled, rubbing_places
+from heavylift.solver.scene.meshes import MeshBody
 from heavylift.solver.scene.scene import Scene
 from heavylift.solver.scene.sliding_joints import joint_friction
 
@@ -28,6 +31,12 @@ def check_served(simulation: Simulation) -> None:
     reasons = list(_reasons(simulation.scene))
     if simulation.integrator == "thesis":
         reasons.append("integrator 'thesis' has no accelerations")
+    layout = simulation.layout
+    inertia = np.zeros(len(layout.work.velocity))
+    for kind in layout.bodies:
+        kind.survey(np.zeros((len(layout.body_names), 8)), inertia, np.zeros(len(inertia)))
+    if not inertia.any():
+        reasons.append("nothing moves freely")
     if reasons:
         raise InputError(
             "; ".join(reasons),
@@ -45,8 +54,16 @@ def _reasons(scene: Scene) -> Iterator[str]:
     if scene.transporters:
         yield f"transporter {scene.transporters[0].name!r} rides on bogies without mass"
     for body in scene.bodies:
-        if not hasattr(body, "mode_count") or type(body).__name__ in ("Frame", "Shell"):
-            yield f"{body.name!r} is {type(body).__name__}"
+        if isinstance(body, MeshBody):
+            yield f"{body.name!r} is a frame, rod or shell"
+    for radiation in () if scene.sea is None else scene.sea.radiation:
+        if radiation.memory == "direct":
+            yield (
+                f"the memory of {radiation.bodies[0]!r} is a convolution over the past: take 'exponentials'"
+            )
+    for one in (*scene.ropes, *scene.forces):
+        if reason := getattr(one, "NOT_LINEAR", ""):
+            yield f"{one.name!r} {reason}"
     for rope in scene.ropes:
         if rubbing_places(rope):
             yield f"rope {rope.name!r} sticks and slides on its sheaves"

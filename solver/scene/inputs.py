@@ -36,6 +36,7 @@ __all__ = [
     "LengthInputOutputs",
     "MomentInputOutputs",
     "OnController",
+    "OnFluid",
     "OnFrame",
     "OnJoint",
     "OnRope",
@@ -111,6 +112,8 @@ class Input(ForceElement):
     DRIVES, TARGET
         What that is, as a scenario calls what it commands: ``"winch"``, ``"drive"``, ``"tank"``; or ``"controller"``,
         ``"fluid"``; and the key that names it.
+    PART
+        What of that it is, if several inputs may drive it; or it has a key ``keeps`` that says so.
     MOVES
         Whether it is a place or a length, which never jumps.
     """
@@ -119,6 +122,7 @@ class Input(ForceElement):
     ACTS: ClassVar[str] = ""
     DRIVES: ClassVar[str] = ""
     TARGET: ClassVar[str] = ""
+    PART: ClassVar[str] = ""
     MOVES: ClassVar[bool] = False
 
     name: str
@@ -129,8 +133,8 @@ class Input(ForceElement):
         return "heavylift.solver.inputs.packing"
 
     def obstacle(self, integrator: str) -> str:
-        """An integrator that is ahead of its records cannot take back what moves bodies as prescribed."""
-        if integrator != "dele2" and self.DRIVES not in {"", "winch"}:
+        """What moves bodies as prescribed jumps in its speed, which only 'dele2' follows."""
+        if integrator != "dele2" and self.DRIVES not in {"", "winch", "fluid"}:
             return "drives what only 'dele2' follows"
         return ""
 
@@ -138,12 +142,6 @@ class Input(ForceElement):
     def target(self) -> str:
         """Name of what it drives, as a scenario would command it; empty of one that acts itself."""
         return ""
-
-    @staticmethod
-    def part(spec: Any) -> tuple[str, ...]:
-        """What of its target it drives, if that has parts; of a table of a case, or an object."""
-        del spec
-        return ()
 
     @property
     def sentence(self) -> str:
@@ -268,6 +266,23 @@ class OnController(Input):
         return self.controller
 
 
+@dataclass(frozen=True, eq=False, kw_only=True)
+class OnFluid(Input):
+    """What inputs of winds and currents have."""
+
+    DRIVES: ClassVar[str] = "fluid"
+    TARGET: ClassVar[str] = "fluid"
+    interpolation: ClassVar[Interpolation] = "held"
+
+    fluid: Annotated[str, NameOf("fluid")] = "wind"
+    """Name of a wind or a current."""
+
+    @property
+    def target(self) -> str:
+        """The wind or current."""
+        return self.fluid
+
+
 def check_limits(spec: Any) -> None:
     """A range that is not empty, with the start in it.
 
@@ -308,7 +323,7 @@ def check_inputs(
     movable
         What a scenario could command.
     controllers, fluids
-        Controllers by name; names of winds.
+        Controllers by name; names of winds and currents.
 
     Raises
     ------
@@ -335,7 +350,7 @@ def check_inputs(
                 f"{target!r} is commanded by the scenario too",
                 "an input, or a scenario, for each",
             )
-        driven = described.DRIVES, target, *described.part(one)
+        driven = described.DRIVES, target, described.PART or getattr(one, "keeps", "")
         if driven in taken:
             problem = f"{taken[driven]!r} drives {target!r} too"
         if problem:
@@ -354,7 +369,7 @@ def _check_target(
     elif drives == "tank":
         state.tank(target, key)
     else:
-        known_thing("controller" if drives == "controller" else "wind", target, known[drives], key)
+        known_thing("controller" if drives == "controller" else "wind or current", target, known[drives], key)
 
 
 def _check_winch(rope: Any, key: str) -> None:

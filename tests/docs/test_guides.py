@@ -34,7 +34,9 @@ GUIDES = (
     "benchmarks.md",
     "data_flow.md",
     "glossary.md",
+    "inputs.md",
     "inside.md",
+    "interface.md",
     "python.md",
     "transport.md",
 )
@@ -154,6 +156,19 @@ def test_the_page_on_data_flow_prints_what_it_shows(tmp_path, monkeypatch, capsy
             assert capsys.readouterr().out == text
             shown.append(text)
     assert len(shown) == 5
+
+
+def test_the_page_on_inputs_prints_what_it_shows(tmp_path, monkeypatch, capsys):
+    """Its case is driven by its Python."""
+    monkeypatch.chdir(tmp_path)
+    (case,), (python,), (shown,) = (
+        [block.text for block in blocks(DOCS / "inputs.md") if block.language == language]
+        for language in ("toml", "python", "text")
+    )
+    (tmp_path / "crane").mkdir()
+    (tmp_path / "crane" / "case.toml").write_text(case, encoding="utf-8")
+    exec(compile(python, "inputs.md", "exec"), {})  # noqa: S102
+    assert capsys.readouterr().out == shown
 
 
 def test_getting_started_ends_with_the_case_that_the_package_brings(tmp_path):

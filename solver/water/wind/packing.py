@@ -51,7 +51,7 @@ from heavylift.solver.water.wind.spectrum import (
     profile_slope,
 )
 
-__all__ = ["add_fluid_channels", "fluid_markers", "fluid_pieces", "pack_fluid_loads"]
+__all__ = ["add_fluid_channels", "fluid_markers", "fluid_pieces", "pack_fluid_loads", "put_wind"]
 
 INTENSITY_EXPONENT = -0.22
 """Of the turbulence intensity over the height, ISO 19901-1."""
@@ -140,7 +140,7 @@ def pack_fluid_loads(
     field_rows, load_rows = records(FieldData, len(fields)), records(LoadData, len(loads))
     for data, one in zip(field_rows, fields, strict=True):
         data.turn_first, data.turn_count = turns.add(_direction(one))
-        profile, record = _wind(one, data) if isinstance(one, WindField) else _current(one, data)
+        profile, record = put_wind(one, data) if isinstance(one, WindField) else _current(one, data)
         data.profile_first, data.profile_count = profiles.add(profile)
         data.record_first, data.record_count = fluctuations.add(record)
         data.column = columns[one.name].at(WindOutputs if isinstance(one, WindField) else CurrentOutputs)
@@ -200,7 +200,7 @@ class _Rows:
         return np.ascontiguousarray(np.vstack(self._blocks))
 
 
-def _wind(wind: WindField, data: FieldData) -> tuple[Array, Array]:
+def put_wind(wind: WindField, data: FieldData) -> tuple[Array, Array]:
     """Fill the numbers of a field; rows of the profile and of the fluctuation."""
     speed = hourly_mean(wind.speed, wind.averaging_time) if wind.averaging_time < HOUR else wind.speed
     sorts = {"log": LOG, "power": POWER, "uniform": TABLE}
@@ -232,7 +232,7 @@ def _wind(wind: WindField, data: FieldData) -> tuple[Array, Array]:
 
 
 def _current(current: CurrentField, data: FieldData) -> tuple[Array, Array]:
-    """As `_wind`."""
+    """As `put_wind`."""
     rows = np.array([[0.0, current.speed]])
     if isinstance(current.speed, CurrentProfile):
         # heights above the still water, increasing

@@ -9,11 +9,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
+from input_scenes import LOAD, MASS, column, driven, hoist
 from scipy.linalg import expm
 
 from heavylift.numerics.outcome import InputError, Outcome
-from heavylift.solver.force_elements.wire_rope import Rope
 from heavylift.solver.forces.motor import JointMotor
 from heavylift.solver.forces.point import PointForce
 from heavylift.solver.forces.spring import Spring
@@ -22,31 +21,11 @@ from heavylift.solver.inputs.joint_load import JointLoadInput
 from heavylift.solver.inputs.moment import MomentInput
 from heavylift.solver.inputs.winches import WinchLengthInput, WinchSpeedInput
 from heavylift.solver.joints.hinge import Hinge
-from heavylift.solver.scene.connections import JointFrame, RopePoint, Winch
-from heavylift.solver.scene.scene import Gravity, RigidBody, Scene
+from heavylift.solver.scene.connections import JointFrame, Winch
+from heavylift.solver.scene.scene import Scene
 from heavylift.solver.simulation import Simulation
 
-GRAVITY = Gravity(np.array([0.0, 0.0, -9.81]))
-MASS = 2.0
-LOAD = RigidBody("load", mass=MASS, inertia=np.diag([0.3, 0.4, 0.5]))
 PUSH = ForceInput(name="push", body="load", point=np.zeros(3))
-
-
-def column(simulation: Simulation, name: str, records: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Columns of a channel: one number a record, or several."""
-    channel = next(one for one in simulation.channels if one.name == name)
-    found = records[:, channel.column : channel.column + len(channel.components)]
-    return found[:, 0] if found.shape[1] == 1 else found
-
-
-def driven(simulation: Simulation, settings: dict[int, tuple[Any, ...]], steps: int) -> NDArray[np.float64]:
-    """Records of all steps, with inputs that are set before some of them."""
-    records = []
-    for index in range(steps):
-        if index in settings:
-            simulation.set_input(*settings[index])
-        records.append(simulation.advance(1)[1])
-    return np.concatenate(records)
 
 
 @pytest.mark.parametrize("integrator", ["dele2", "accurate", "thesis"])
@@ -107,13 +86,6 @@ def test_a_load_along_a_joint_acts_as_a_motor() -> None:
         column(other, "energy.external_work", found), 1.5 * angle, rtol=1e-9, atol=1e-12
     )
     assert other.inputs["m"].quantity == "moment or energy"
-
-
-def hoist(winch: Winch | None = None, **more: Any) -> Scene:
-    """A mass on a rope below the ground."""
-    path = (RopePoint("ground", np.array([0.0, 0.0, 10.0])), RopePoint("load", np.zeros(3)))
-    rope = Rope(name="hoist", path=path, axial_stiffness=2e4, damping=50.0, length=10.0, winch=winch)
-    return Scene((LOAD,), (GRAVITY,), ropes=(rope,), **more)
 
 
 TIMES, SPEEDS = np.array([0.0, 0.2, 0.5, 0.8]), np.array([0.0, 0.5, 0.5, -0.1])

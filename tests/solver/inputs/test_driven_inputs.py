@@ -1,0 +1,197 @@
+"""What inputs drive, against the same motion written as a table: drives, tanks, winds, set points."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from input_scenes import LOAD, column, driven, hoist
+
+from heavylift.numerics.outcome import InputError, Outcome
+from heavylift.solver.inputs.ballast import TankRateInput
+from heavylift.solver.inputs.drives import (
+    DrivePositionInput,
+    DriveSpeedInput,
+    FrameAngleInput,
+    FramePositionInput,
+    FrameSpeedInput,
+)
+from heavylift.solver.inputs.winches import WinchLengthInput, WinchSpeedInput
+from heavylift.solver.inputs.wind import FluidDirectionInput, FluidSpeedInput
+from heavylift.solver.joints.hinge import Hinge
+from heavylift.solver.scene.connections import Winch
+from heavylift.solver.scene.scene import Driven, Fixed, Profile, Scene
+from heavylift.solver.scene.sea import Sea, Water
+from heavylift.solver.scene.wind_loads import DragElement, WindField
+from heavylift.solver.simulation import Simulation
+
+TIMES, SPEEDS = np.array([0.0, 0.3, 0.6, 1.0]), np.array([0.0, 0.4, 0.4, -0.2])
+RAMPS = {0: (0.0, 0.4 / 0.3, 0.3), 30: (0.4,), 60: (0.4, -0.6 / 0.4, 1.0)}
+STANDING = Profile(times=np.zeros(1), speeds=np.zeros(1))
+
+
+def hinged(profile: Profile, **more: Any) -> Scene:
+    """A body on a hinge with a drive."""
+    hinge = Hinge(name="pin", body_a="ground", body_b="load", drive=profile)
+    return Scene((LOAD,), joints=(hinge,), **more)
+
+
+def test_the_speed_of_a_drive_moves_a_hinge_as_a_table_of_speeds() -> None:
+    one = Simulation(hinged(Profile(times=TIMES, speeds=SPEEDS)), 0.01)
+    other = Simulation(hinged(STANDING, inputs=(DriveSpeedInput(name="turn", joint="pin"),)), 0.01)
+    expected = one.advance(120)[1]
+    found = driven(other, {index: ("turn", *setting) for index, setting in RAMPS.items()}, 120)
+    for name in ("pin.angle", "pin.angular_rate", "pin.reaction_moment"):
+        np.testing.assert_allclose(
+            column(other, name, found), column(one, name, expected), rtol=1e-9, atol=1e-12
+        )
+    assert other.inputs["turn"].unit == "rad/s"
+
+
+def test_the_position_of_a_drive_is_reached_and_held() -> None:
+    place = DrivePositionInput(name="turn", joint="pin", largest=1.0)
+    simulation = Simulation(hinged(STANDING, inputs=(place,)), 0.01)
+    simulation.set_input("turn", 0.0, 2.0, 0.25)
+    records = simulation.advance(50)[1]
+    angle = column(simulation, "pin.angle", records)
+    np.testing.assert_allclose(angle[[9, 24, 49]], [0.2, 0.5, 0.5], rtol=1e-9)
+    np.testing.assert_allclose(column(simulation, "turn.value", records), angle, rtol=1e-6)
+    with pytest.raises(InputError, match=r"2 rad while it is at 0.5 rad, which would be a jump"):
+        simulation.set_input("turn", 2.0)
+    with pytest.raises(InputError, match=r"1.5 rad; expected at most 1 rad"):
+        simulation.set_input("turn", 0.5, 10.0, 0.6)
+
+
+@pytest.mark.parametrize("motion", [Fixed(), Driven(x=STANDING, angle=STANDING)])
+def test_a_frame_moves_by_its_inputs(motion: Any) -> None:
+    """One that is fixed in the case can be driven, as in a scenario; speeds and angles at the same time."""
+    inputs = (
+        FrameSpeedInput(name="go", body="load", axis="x"),
+        FramePositionInput(name="lift", body="load", axis="z"),
+        FrameAngleInput(name="turn", body="load"),
+    )
+    simulation = Simulation(Scene((replace(LOAD, motion=motion),), inputs=inputs), 0.01)
+    simulation.set_input("lift", 0.0, 1.0, 0.5)
+    simulation.set_input("turn", 0.0, 0.4, 1.0)
+    found = driven(simulation, {index: ("go", *setting) for index, setting in RAMPS.items()}, 120)
+    position, q = column(simulation, "load.position", found), column(simulation, "load.orientation", found)
+    table = Driven(x=Profile(times=TIMES, speeds=SPEEDS))
+    one = Simulation(Scene((replace(LOAD, motion=table),)), 0.01)
+    expected = column(one, "load.position", one.advance(120)[1])
+    np.testing.assert_allclose(position[:, 0], expected[:, 0], rtol=1e-9, atol=1e-12)
+    np.testing.assert_allclose(position[[24, 49, 119], 2], [0.25, 0.5, 0.5], rtol=1e-12)
+    np.testing.assert_allclose(2.0 * np.arctan2(q[[49, 119], 3], q[[49, 119], 0]), [0.2, 0.4], rtol=1e-9)
+
+
+def test_followers_of_a_winch_do_as_it_does() -> None:
+    """By their ratio; the run ends where the first of them is used up."""
+    leader = hoist(Winch(times=np.zeros(1), speeds=np.zeros(1))).ropes[0]
+    follower = replace(leader, name="other", winch=Winch(follow="hoist", ratio=2.0))
+    scene = replace(hoist(inputs=(WinchSpeedInput(name="haul", rope="hoist"),)), ropes=(leader, follower))
+    simulation = Simulation(scene, 0.01)
+    simulation.set_input("haul", -0.5)
+    records = simulation.advance(100)[1]
+    for rope, length in (("hoist", 10.5), ("other", 11.0)):
+        np.testing.assert_allclose(column(simulation, f"{rope}.rest_length", records)[-1], length, rtol=1e-12)
+    simulation.set_input("haul", 2.0)
+    simulation.advance(1000)
+    assert simulation.outcome is Outcome.LIMIT_REACHED
+    assert "the winch of 'other' has hauled in" in simulation.message
+
+
+def blown(speed: float, direction: float, **more: Any) -> Scene:
+    """A plate in the wind."""
+    wind = WindField(speed=speed, direction=direction, gust=60.0)
+    load = DragElement(
+        name="drag", fluid="wind", body="load", point=np.array([0.0, 0.0, 20.0]), area=5.0, coefficient=1.2
+    )
+    return Scene(
+        (replace(LOAD, mass=1e5, inertia=1e7 * np.eye(3)),),
+        sea=Sea(water=Water(), fields=(wind,), loads=(load,)),
+        **more,
+    )
+
+
+def test_a_wind_is_that_of_a_sea_with_its_speed_and_direction() -> None:
+    """All that follows from the speed changes with it: the profile over the height, and the gust."""
+    inputs = (FluidSpeedInput(name="blow"), FluidDirectionInput(name="veer"))
+    simulation = Simulation(blown(5.0, 0.1, inputs=inputs), 0.1)
+    assert (simulation.inputs.value("blow"), simulation.inputs.value("veer")) == ((5.0, 0.0), (0.1, 0.0))
+    assert simulation.inputs["blow"].largest == 75.0
+    simulation.set_input("blow", 15.0)
+    simulation.set_input("veer", 0.7)
+    one = Simulation(blown(15.0, 0.7), 0.1)
+    np.testing.assert_array_equal(
+        column(simulation, "drag.force", simulation.advance(3)[1]),
+        column(one, "drag.force", one.advance(3)[1]),
+    )
+    simulation.set_input("veer", 0.7, 0.5, 0.5)
+    records = simulation.advance(4)[1]
+    np.testing.assert_allclose(
+        column(simulation, "wind.direction", records), [0.75, 0.8, 0.8, 0.8], rtol=1e-12
+    )
+    with pytest.raises(InputError, match=r"80 m/s; expected 0 m/s or more, at most 75 m/s"):
+        simulation.set_input("blow", 80.0)
+    with pytest.raises(InputError, match=r"a rate of 1 m/s/s; expected rate 0"):
+        simulation.set_input("blow", 5.0, 1.0, 1.0)
+
+
+BAD: dict[str, tuple[Any, str]] = {
+    "unknown rope": (WinchSpeedInput(name="a", rope="hist"), "'hist' is no rope; did you mean 'hoist'"),
+    "unknown drive": (DriveSpeedInput(name="a", joint="pin"), "there is no joint 'pin'"),
+    "unknown body": (FrameSpeedInput(name="a", body="lod", axis="x"), "there is no body 'lod'"),
+    "free frame": (FrameSpeedInput(name="a", body="load", axis="x"), "'load.x' is no drive"),
+    "unknown tank": (TankRateInput(name="a", tank="t"), "'t' is no tank"),
+    "unknown wind": (FluidSpeedInput(name="a"), "'wind' is no wind or current"),
+    "taken name": (WinchSpeedInput(name="load", rope="hoist"), "the name 'load' is taken"),
+    "start": (WinchSpeedInput(name="a", rope="hoist", value=2.0, largest=1.0), "2 is above 'largest'"),
+    "range": (WinchSpeedInput(name="a", rope="hoist", smallest=2.0, largest=1.0), "2 is above 'largest', 1"),
+    "length": (WinchLengthInput(name="a", rope="hoist", largest=9.0), "10 m at the start; expected"),
+}
+
+
+@pytest.mark.parametrize("case", BAD)
+def test_inputs_that_do_not_fit_a_scene_are_refused(case: str) -> None:
+    one, words = BAD[case]
+    with pytest.raises(InputError, match=words):
+        Simulation(hoist(inputs=(one,)), 0.1).warm_up()
+
+
+def test_two_inputs_of_one_winch_are_refused() -> None:
+    inputs = (WinchSpeedInput(name="a", rope="hoist"), WinchLengthInput(name="b", rope="hoist"))
+    with pytest.raises(InputError, match=r"b: inputs.1.rope: 'a' drives 'hoist' too"):
+        Simulation(hoist(inputs=inputs), 0.1)
+
+
+@pytest.mark.parametrize(
+    ("winch", "words"),
+    [
+        ({"times": [0.0, 1.0], "speeds": [0.0, 1.0]}, "the winch of 'hoist' has 'speeds'"),
+        ({"times": [0.0], "tensions": [20.0], "speed": 1.0}, "the winch of 'hoist' has 'tensions'"),
+        ({"brake": 100.0}, "the winch of 'hoist' has 'brake'"),
+    ],
+)
+def test_a_winch_with_a_plan_of_its_own_is_refused(winch: dict[str, Any], words: str) -> None:
+    arrays = {key: np.array(value) if isinstance(value, list) else value for key, value in winch.items()}
+    scene = hoist(Winch(**arrays), inputs=(WinchSpeedInput(name="a", rope="hoist"),))
+    with pytest.raises(InputError, match=words):
+        Simulation(scene, 0.1)
+
+
+def test_a_winch_is_no_faster_than_it_can() -> None:
+    winch = Winch(times=np.zeros(1), speeds=np.zeros(1), fastest=0.5)
+    simulation = Simulation(hoist(winch, inputs=(WinchSpeedInput(name="haul", rope="hoist"),)), 0.1)
+    with pytest.raises(InputError, match=r"0.6 m/s; expected .*the winch does 0.5 m/s at most"):
+        simulation.set_input("haul", 0.6)
+    with pytest.raises(InputError, match=r"-0.6 m/s"):
+        simulation.set_input("haul", 0.0, -1.0, 0.6)
+
+
+@pytest.mark.parametrize("integrator", ["accurate", "thesis"])
+def test_what_only_one_integrator_follows_is_refused_elsewhere(integrator: str) -> None:
+    scene = hinged(STANDING, inputs=(DriveSpeedInput(name="turn", joint="pin"),))
+    with pytest.raises(InputError, match="drive"):
+        Simulation(scene, 0.1, integrator)
+    assert Simulation(scene, 0.1, "auto").integrator == "dele2"
