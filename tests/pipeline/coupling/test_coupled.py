@@ -235,3 +235,25 @@ def test_a_value_beyond_the_limits_of_an_input_ends_the_run(write):
     report = run_case(case, stages=("simulate",))
     assert report.outcome is Outcome.BAD_INPUT
     assert re.match(r"t = 0 s: .*push", report.message), report.message
+
+
+def test_an_exchange_that_does_not_settle_ends_the_run(write):
+    case = load_case(write(ITERATED, ("stiffness = 4e4", "stiffness = 4e7"), ("limit = 1e6", "limit = 1e99")))
+    report = run_case(case, stages=("simulate",))
+    assert report.outcome is Outcome.NOT_CONVERGED
+    assert re.match(
+        r"t = 0 s: what 'hold' gives to 'the scene' \(force to push\) still changes by", report.message
+    ), report.message
+    assert len(load_results(case).time) == 1
+
+
+def test_an_input_of_an_fmu_is_not_set_by_others(write):
+    import heavylift as hl
+
+    sim = hl.Simulation(write())
+    sim.step(0.1)
+    with pytest.raises(
+        InputError, match="'push' is written by FMU 'hold'; expected an input that no FMU writes"
+    ):
+        sim.step(0.1, {"push": 1.0})
+    assert sim.time == pytest.approx(0.1)
