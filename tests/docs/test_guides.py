@@ -29,6 +29,7 @@ GUIDES = (
     "equipment.md",
     "fmi.md",
     "blocks.md",
+    "coupling.md",
     "criteria.md",
     "editor.md",
     "benchmarks.md",
