@@ -259,7 +259,7 @@ def _description(
     if fmi == 2:
         head: dict[str, object] = {"fmiVersion": "2.0", "guid": token}
         can |= {
-            "canInterpolateInputs": all(one.interpolation == "held" for one in inputs),
+            "canInterpolateInputs": True,
             "canNotUseMemoryManagementFunctions": True,
             "canGetAndSetFMUstate": True,
             "canSerializeFMUstate": True,
