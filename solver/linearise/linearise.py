@@ -13,7 +13,6 @@ joints and ropes, are in them as the step has them.
 from __future__ import annotations
 
 import math
-from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -30,6 +29,7 @@ from heavylift.solver.kinds import Table
 from heavylift.solver.linearise.coordinates import Independent
 from heavylift.solver.linearise.memory_states import MemoryStates
 from heavylift.solver.linearise.modes import find_modes
+from heavylift.solver.linearise.motions import Motions
 from heavylift.solver.linearise.rates import find_middle
 from heavylift.solver.linearise.result import BodyShape, Linearisation
 from heavylift.solver.linearise.served import check_served
@@ -45,6 +45,9 @@ __all__ = ["linearise"]
 STEP, STEP_MOVING = 1e-7, 1e-5
 """Of the accelerations [s], with a half and a quarter of it; longer about a state that moves, where rounding of the
 velocities counts."""
+
+MOST = 1500
+"""Coordinates: matrices are dense, and their eigenvalues take the third power of that."""
 
 RESOLVED, SHORTEST = 2e-3, 1e-10
 """Step times the fastest eigenvalue, beyond which a shorter one is taken, and the shortest [s]: errors are its third
@@ -207,12 +210,21 @@ class _Probe:
         self._system = next((one for one in layout.systems if "monitor" in one._fields), None)
         if self._system is not None:
             self._system.rows["hold"][self._system.rows["rigid"] > 0.0] *= HOLD
-        self._places, _, self._velocity = rows.survey()
+        self._places = rows.survey()[0]
+        self._motions = Motions(rows)
+        if self._motions.count > MOST:
+            raise InputError(
+                f"{self._motions.count} coordinates that move",
+                source="linearisation",
+                key="scene",
+                expected=f"at most {MOST}: coarser meshes, or bodies with modes",
+            )
+        self._velocity = self._motions.velocity
         moves = bool(np.abs(self._velocity).max(initial=0.0) > MOVES)
         self._step = STEP_MOVING if moves else STEP
         self._difference = DIFFERENCE_MOVING if moves else DIFFERENCE
         self._size = self._extent()
-        self._free = Independent(rows, self._turning(), self._size)
+        self._free = Independent(self._motions, self._turning(), self._size)
         self._free.close()
         self._kept = _Kept(layout)
         self._w = self._velocity[self._free.chosen]
@@ -227,25 +239,24 @@ class _Probe:
 
     def _turning(self) -> NDArray[np.bool_]:
         """Velocities of frames that spin."""
-        found = np.zeros(len(self._velocity), dtype=np.bool_)
-        for first in self._rows.frame_starts:
+        found = np.zeros(self._motions.count, dtype=np.bool_)
+        for first in self._motions.firsts:
             found[first + 3 : first + 6] = bool(np.any(np.abs(self._velocity[first + 3 : first + 6]) > MOVES))
         return found
 
     def _mean(self, values: NDArray[np.float64]) -> float:
-        """Root of the mean square over the masses, of velocities or accelerations of all bodies."""
-        rows = self._rows
-        firsts = self._places[:, 0].astype(np.int64)
-        mass = float(rows.inertia[firsts[np.isin(firsts, rows.free)]].sum())
-        return math.sqrt(float(np.sum(rows.inertia * values * values)) / mass) if mass > 0.0 else 0.0
+        """Root of the mean square over the masses, of velocities or accelerations of all unknowns."""
+        mass = sum(float(kind.lengths()[0].sum()) for kind in self._layout.bodies)
+        squares = float(np.sum(self._motions.inertia * values * values))
+        return math.sqrt(squares / mass) if mass > 0.0 else 0.0
 
     def _acceleration(self) -> NDArray[np.float64]:
-        """Of all velocities at the present state; reactions of the rows are those of it."""
-        before = self._rows.survey()[2]
+        """Of all unknowns at the present state; reactions of the rows are those of it."""
+        before = self._motions.velocity
         found = []
         for step in (self._step, 0.5 * self._step, 0.25 * self._step):
             self._middle(self._time, step)
-            found.append((self._layout.work.velocity - before) * (2.0 / step))
+            found.append((self._motions.middle() - before) * (2.0 / step))
         if self._system is not None:
             self._system.rows["reaction"] = self._system.rows["impulse"] * (2.0 / step)
         return (8.0 * found[2] - 6.0 * found[1] + found[0]) / 3.0
@@ -253,17 +264,17 @@ class _Probe:
     def _at(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
         """Rates of the states at deviations of them, and the record there, one behind the other."""
         self._kept.put_back()
-        rows, free, n = self._rows, self._free, len(self._w)
+        motions, free, n = self._motions, self._free, len(self._w)
         z, w, m = x[:n], x[n : 2 * n], x[2 * n :]
         increment = free.N @ z
         if z.any():
-            rows.move(increment)
-            rows.start()
+            motions.move(increment)
+            self._rows.start()
             free.close()
         free.put_velocity(self._w + w)
         self._memory.put(self._m + m)
-        speed = rows.survey()[2] - self._velocity
-        for first in rows.frame_starts:  # in axes that turn
+        speed = motions.velocity - self._velocity
+        for first in motions.firsts:  # in axes that turn
             spin = self._velocity[first + 3 : first + 6]
             speed[first + 3 : first + 6] -= np.cross(spin, increment[first + 3 : first + 6])
         self._all = self._acceleration()
@@ -401,9 +412,9 @@ class _Probe:
         self, C: NDArray[np.float64], z: NDArray[np.complex128]
     ) -> tuple[dict[str, BodyShape], dict[str, NDArray[np.float64]]]:
         """Displacements of bodies in the modes, and their parts of the kinetic energy."""
-        rows = self._rows
+        motions = self._motions
         U = self._free.N @ z
-        energy = rows.inertia[:, None] * np.abs(U) ** 2
+        energy = motions.inertia[:, None] * np.abs(U) ** 2
         total = energy.sum(axis=0)
         total[total == 0.0] = 1.0
         energy /= total
@@ -412,55 +423,51 @@ class _Probe:
             for channel in self._channels
             if channel.name.endswith(".position")
         }
-        widths = np.bincount(rows.owner, minlength=len(self._places))
-        spins = set(rows.frame_starts.tolist())
         shapes, participation = {}, {}
         for number, name in enumerate(self._layout.body_names):
-            first, width = int(self._places[number, 0]), int(widths[number])
             moved = turned = np.zeros((3, z.shape[1]), dtype=np.complex128)
-            ends = [first, first, first, first + width]
+            own = np.flatnonzero(motions.owner == number)
+            within = motions.within[own]
             if name in positions:
                 moved = C[positions[name]] @ z
-            if first in spins:
-                ends[1:3] = first + 3, first + 6
-                turned = rotation_matrix(self._places[number, 4:8]) @ U[first + 3 : first + 6]
+            spins = own[(within >= 3) & (within < 6)]
+            if spins.size:
+                turned = rotation_matrix(self._places[number, 4:8]) @ U[spins]
+            parts = (within >= 0) & (within < 3), (within >= 3) & (within < 6), (within < 0) | (within >= 6)
             shapes[name] = BodyShape(moved.T, turned.T)
-            participation[name] = np.array([energy[i:j].sum(axis=0) for i, j in pairwise(ends)]).T
+            participation[name] = np.array([energy[own[part]].sum(axis=0) for part in parts]).T
         return shapes, participation
 
     def _steps(self) -> NDArray[np.float64]:
         """Displacement of the difference quotients by state."""
-        rows, chosen = self._rows, self._free.chosen
-        within = chosen - rows.owner_starts[np.searchsorted(rows.owner_starts, chosen, side="right") - 1]
-        frame = np.isin(chosen - within, rows.frame_starts)
-        steps = np.full(len(chosen), self._size)
-        steps[frame & (within >= 3)] = 1.0
-        steps[frame & (within >= 6)] = self._size * math.sqrt(float(rows.inertia.max(initial=0.0)))
+        within, largest = (
+            self._motions.within[self._free.chosen],
+            float(self._motions.inertia.max(initial=0.0)),
+        )
+        steps = np.full(len(within), self._size)
+        steps[(within >= 3) & (within < 6)] = 1.0
+        steps[within >= 6] = self._size * math.sqrt(largest)
         return self._difference * steps
 
     def _names(self) -> tuple[tuple[str, ...], tuple[str, ...]]:
         """Of the states, and their units."""
-        rows, starts = self._rows, self._rows.owner_starts
-        frames = set(rows.frame_starts.tolist())
+        motions = self._motions
         places, speeds, units, rates = [], [], [], []
-        for column in self._free.chosen.tolist():
-            first = int(starts[np.searchsorted(starts, column, side="right") - 1])
-            body, k = self._layout.body_names[rows.owner[column]], column - first
-            if first not in frames:
-                places.append(f"{body}.node.{k // 3 + 1}.{'xyz'[k % 3]}")
-                speeds.append(f"{body}.node.{k // 3 + 1}.velocity.{'xyz'[k % 3]}")
-                units.append("m")
-                rates.append("m/s")
-            elif k < 6:
-                what, speed = (("", "velocity."), ("rotation.", "angular_velocity."))[k // 3]
-                places.append(f"{body}.{what}{'xyz123'[k]}")
-                speeds.append(f"{body}.{speed}{'xyz123'[k]}")
-                units.append("m" if k < 3 else "rad")
-                rates.append("m/s" if k < 3 else "rad/s")
+        for unknown in self._free.chosen.tolist():
+            body, name, k = (
+                self._layout.body_names[motions.owner[unknown]],
+                motions.names[unknown],
+                motions.within[unknown],
+            )
+            places.append(f"{body}.{name}")
+            if k >= 6:
+                speeds.append(f"{body}.{name.replace('position', 'velocity')}")
+            elif 3 <= k < 6:
+                speeds.append(f"{body}.{name.replace('rotation', 'angular_velocity')}")
             else:
-                places.append(f"{body}.modal_position.{k - 5}")
-                speeds.append(f"{body}.modal_velocity.{k - 5}")
-                units.append("kg^(1/2) m")
-                rates.append("kg^(1/2) m/s")
+                speeds.append(f"{body}.velocity.{name}")
+            unit = "kg^(1/2) m" if k >= 6 else "rad" if 3 <= k < 6 else "1" if ".slope." in name else "m"
+            units.append(unit)
+            rates.append("1/s" if unit == "1" else f"{unit}/s")
         memory = tuple(self._memory.names)
         return (*places, *speeds, *memory), (*units, *rates, *("m" for _ in memory))

@@ -8,7 +8,6 @@ import numpy as np
 
 from heavylift.numerics.outcome import InputError
 from heavylift.solver.scene.connections import controlled, rubbing_places
-from heavylift.solver.scene.meshes import MeshBody
 from heavylift.solver.scene.scene import Scene
 from heavylift.solver.scene.sliding_joints import joint_friction
 
@@ -35,7 +34,7 @@ def check_served(simulation: Simulation) -> None:
     inertia = np.zeros(len(layout.work.velocity))
     for kind in layout.bodies:
         kind.survey(np.zeros((len(layout.body_names), 8)), inertia, np.zeros(len(inertia)))
-    if not inertia.any():
+    if not (inertia.any() or any(kind.NODAL for kind in layout.bodies)):
         reasons.append("nothing moves freely")
     if reasons:
         raise InputError(
@@ -53,9 +52,6 @@ def _reasons(scene: Scene) -> Iterator[str]:
         yield f"contact {first.name!r} opens and closes"
     if scene.transporters:
         yield f"transporter {scene.transporters[0].name!r} rides on bogies without mass"
-    for body in scene.bodies:
-        if isinstance(body, MeshBody):
-            yield f"{body.name!r} is a frame, rod or shell"
     for radiation in () if scene.sea is None else scene.sea.radiation:
         if radiation.memory == "direct":
             yield (
