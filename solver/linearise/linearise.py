@@ -27,6 +27,7 @@ from heavylift.numerics.words import nearest
 from heavylift.solver.integrate.loop import write_record
 from heavylift.solver.kinds import Table
 from heavylift.solver.linearise.coordinates import Independent
+from heavylift.solver.linearise.drivers import Drivers
 from heavylift.solver.linearise.memory_states import MemoryStates
 from heavylift.solver.linearise.modes import find_modes
 from heavylift.solver.linearise.motions import Motions
@@ -120,9 +121,10 @@ def linearise(
     check_served(simulation)
     columns = _output_columns(simulation, outputs)
     simulation.warm_up()
+    drivers = Drivers(simulation, inputs)
     kept = _Kept(simulation.layout)
     try:
-        return _Probe(simulation).linearise(columns)
+        return _Probe(simulation, drivers).linearise(columns)
     finally:
         kept.put_back()
 
@@ -195,7 +197,8 @@ def _output_columns(simulation: Simulation, names: Sequence[str] | None) -> _Col
 class _Probe:
     """Finds the rates of the states of a scene beside the present one."""
 
-    def __init__(self, simulation: Simulation) -> None:
+    def __init__(self, simulation: Simulation, drivers: Drivers) -> None:
+        self._drivers = drivers
         self._layout = layout = simulation.layout
         self._time = simulation.time
         self._gravity = float(np.linalg.norm(simulation.scene.gravity))
@@ -261,13 +264,14 @@ class _Probe:
             self._system.rows["reaction"] = self._system.rows["impulse"] * (2.0 / step)
         return (8.0 * found[2] - 6.0 * found[1] + found[0]) / 3.0
 
-    def _at(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Rates of the states at deviations of them, and the record there, one behind the other."""
+    def _at(self, x: NDArray[np.float64], u: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Rates of the states at deviations of them and of the inputs, and the record there, one behind the other."""
         self._kept.put_back()
-        motions, free, n = self._motions, self._free, len(self._w)
-        z, w, m = x[:n], x[n : 2 * n], x[2 * n :]
+        motions, free, drivers, n = self._motions, self._free, self._drivers, len(self._w)
+        z, w, places, m = np.split(x, [n, 2 * n, 2 * n + len(drivers.places)])
         increment = free.N @ z
-        if z.any():
+        drivers.act(places, u)
+        if z.any() or places.any():
             motions.move(increment)
             self._rows.start()
             free.close()
@@ -279,45 +283,61 @@ class _Probe:
             speed[first + 3 : first + 6] -= np.cross(spin, increment[first + 3 : first + 6])
         self._all = self._acceleration()
         chosen = free.chosen
-        rates = [speed[chosen], self._all[chosen], self._memory.rates()]
+        rates = [speed[chosen], self._all[chosen], drivers.speeds(u), self._memory.rates()]
         self._record(self._time, self._row)
         return np.concatenate([*rates, self._row])
 
     def linearise(self, columns: _Columns) -> Linearisation:
-        """Differences by all states."""
-        n, more = len(self._w), len(self._m)
-        count = 2 * n + more
+        """Differences by all states and inputs."""
+        n, more, drivers = len(self._w), len(self._m), self._drivers
+        count, given = 2 * n + len(drivers.places) + more, len(drivers.columns)
         steps = self._steps()
         rates = DIFFERENCE / self._difference * VELOCITY * np.maximum(1.0, np.abs(self._w))
-        scale = np.concatenate([steps, rates * steps, np.full(more, self._difference * self._size)])
+        places = drivers.place_steps(self._difference, self._size)
+        by_inputs = drivers.steps(self._weight(), self._size)
+        scale = np.concatenate(
+            [steps, rates * steps, places, np.full(more, self._difference * self._size), by_inputs]
+        )
         while True:
-            base = self._at(np.zeros(count))
+            base = self._at(np.zeros(count), np.zeros(given))
             residual = self._mean(self._all)
-            M = np.zeros((len(base), count))
+            M = np.zeros((len(base), count + given))
             suspects = []
             for k in range(count):
-                M[:, k], first, second = self._difference_by(k, scale[k], base)
-                suspects.append((float(np.abs(first / steps).max()), float(np.abs(second / steps).max())))
-            A, C = M[:count], M[count:]
-            if self._is_short_for(A):
+                M[:, k], first, second = self._difference_by(k, scale, base)
+                suspects.append(
+                    tuple(float(np.abs(part / steps).max(initial=0.0)) for part in (first, second))
+                )
+            fastest = float(np.abs(np.linalg.eigvals(M[:count, :count])).max(initial=0.0))
+            if self._is_short_for(fastest):
                 break
+        corners = self._corners(suspects, scale, base, steps)
+        # speeds of inputs are differences of places over a step: the longer, the less they are rounded
+        self._step = max(self._step, min(STEP_MOVING, RESOLVED / max(fastest, 1.0)))
+        for k in range(count, count + given):
+            M[:, k], _, _ = self._difference_by(k, scale, base)
+        A, B, C, D = M[:count, :count], M[:count, count:], M[count:, :count], M[count:, count:]
         states, units = self._names()
         rate = math.sqrt(self._gravity / self._size) if self._gravity > 0.0 else 1.0
-        sizes = np.concatenate([steps, rate * steps, scale[2 * n :]]) / self._difference
-        values, vectors, parts, zeros = find_modes(A, sizes, max(SLOWEST * rate, self._noise()))
-        corners = self._corners(suspects, scale, base, steps)
-        vectors = self._normalised(C[:, :n], vectors)
-        shapes, participation = self._shapes(C[:, :n], vectors[:n])
+        sized = np.concatenate([steps, rate * steps, scale[count - more : count]]) / self._difference
+        own = np.r_[: 2 * n, count - more : count]  # places of what is driven stay
+        values, found, parts, zeros = find_modes(
+            A[np.ix_(own, own)], sized, max(SLOWEST * rate, self._noise())
+        )
+        vectors = np.zeros((count, len(values)), dtype=np.complex128)
+        vectors[own] = found
+        vectors = self._normalised(C, vectors)
+        shapes, participation = self._shapes(C, vectors)
         return Linearisation(
             time=self._time,
             A=A,
-            B=np.zeros((count, 0)),
+            B=B,
             C=C[columns.places],
-            D=np.zeros((len(columns.places), 0)),
+            D=D[columns.places],
             states=states,
             state_units=units,
-            inputs=(),
-            input_units=(),
+            inputs=tuple(drivers.columns),
+            input_units=tuple(drivers.units),
             outputs=columns.names,
             output_units=columns.units,
             eigenvalues=values,
@@ -327,26 +347,32 @@ class _Probe:
             participation=participation,
             water=parts[2 * n :].sum(axis=0),
             water_states=more,
+            driven_states=len(drivers.places),
             residual=residual,
             speed=self._mean(self._velocity),
             warnings=self._warnings(residual, [states[k] for k in corners]),
         )
 
-    def _is_short_for(self, A: NDArray[np.float64]) -> bool:
-        """Whether the step resolves the fastest eigenvalue; else a shorter one is to be tried."""
-        fastest = float(np.abs(np.linalg.eigvals(A)).max(initial=0.0))
+    def _weight(self) -> float:
+        """A force that is large in the scene [N]."""
+        mass = sum(float(kind.lengths()[0].sum()) for kind in self._layout.bodies)
+        return mass * max(self._gravity, 1.0)
+
+    def _is_short_for(self, fastest: float) -> bool:
+        """Whether the step resolves an eigenvalue; else a shorter one is to be tried."""
         if fastest * self._step <= RESOLVED or self._step <= SHORTEST:
             return True
         self._step = max(RESOLVED / (2.0 * fastest), SHORTEST)
         return False
 
     def _difference_by(
-        self, k: int, step: float, base: NDArray[np.float64]
+        self, k: int, scale: NDArray[np.float64], base: NDArray[np.float64], part: float = 1.0
     ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-        """Derivatives by a state, and first and second differences of the accelerations."""
-        x = np.zeros(2 * len(self._w) + len(self._m))
-        x[k] = step
-        ahead, behind = self._at(x), self._at(-x)
+        """Derivatives by a state or input, and first and second differences of the accelerations."""
+        deviation = np.zeros(len(scale))
+        deviation[k] = step = part * scale[k]
+        x, u = np.split(deviation, [len(scale) - len(self._drivers.columns)])
+        ahead, behind = self._at(x, u), self._at(-x, -u)
         accelerations = slice(len(self._w), 2 * len(self._w))
         first, second = ahead - behind, ahead + behind - 2.0 * base
         return first / (2.0 * step), first[accelerations], second[accelerations]
@@ -358,7 +384,7 @@ class _Probe:
 
     def _corners(
         self,
-        suspects: list[tuple[float, float]],
+        suspects: list[tuple[float, ...]],
         scale: NDArray[np.float64],
         base: NDArray[np.float64],
         steps: NDArray[np.float64],
@@ -373,7 +399,7 @@ class _Probe:
         found = []
         for k, (first, second) in enumerate(suspects):
             if second > ONE_SIDED * first + noise:
-                half = float(np.abs(self._difference_by(k, 0.5 * scale[k], base)[2] / steps).max())
+                half = float(np.abs(self._difference_by(k, scale, base, 0.5)[2] / steps).max())
                 if abs(half / second - 0.5) < 0.1:
                     found.append(k)
         return found
@@ -391,6 +417,8 @@ class _Probe:
                 f"the state moves at {speed:.3g} m/s in the mean over the masses: the matrices are those of this"
                 " instant"
             )
+        if self._drivers.left_out:
+            found.append(f"no columns of {quoted(self._drivers.left_out)}, which have no linear motion here")
         if bent:
             found.append(
                 f"forces change otherwise forwards than backwards with {quoted(bent)}, as of a rope that is just"
@@ -400,7 +428,7 @@ class _Probe:
 
     def _normalised(self, C: NDArray[np.float64], vectors: NDArray[np.complex128]) -> NDArray[np.complex128]:
         """Eigenvectors with a largest displacement or rotation of a body of 1 m or 1 rad, and real there."""
-        shapes, _ = self._shapes(C, vectors[: C.shape[1]])
+        shapes, _ = self._shapes(C, vectors)
         every = [part.T for shape in shapes.values() for part in (shape.displacement, shape.rotation)]
         if not every or not vectors.shape[1]:
             return vectors
@@ -409,10 +437,10 @@ class _Probe:
         return np.asarray(vectors / np.where(np.abs(largest) > 0.0, largest, 1.0))
 
     def _shapes(
-        self, C: NDArray[np.float64], z: NDArray[np.complex128]
+        self, C: NDArray[np.float64], vectors: NDArray[np.complex128]
     ) -> tuple[dict[str, BodyShape], dict[str, NDArray[np.float64]]]:
         """Displacements of bodies in the modes, and their parts of the kinetic energy."""
-        motions = self._motions
+        motions, z = self._motions, vectors[: len(self._w)]
         U = self._free.N @ z
         energy = motions.inertia[:, None] * np.abs(U) ** 2
         total = energy.sum(axis=0)
@@ -429,7 +457,7 @@ class _Probe:
             own = np.flatnonzero(motions.owner == number)
             within = motions.within[own]
             if name in positions:
-                moved = C[positions[name]] @ z
+                moved = C[positions[name]] @ vectors
             spins = own[(within >= 3) & (within < 6)]
             if spins.size:
                 turned = rotation_matrix(self._places[number, 4:8]) @ U[spins]
@@ -469,5 +497,6 @@ class _Probe:
             unit = "kg^(1/2) m" if k >= 6 else "rad" if 3 <= k < 6 else "1" if ".slope." in name else "m"
             units.append(unit)
             rates.append("1/s" if unit == "1" else f"{unit}/s")
-        memory = tuple(self._memory.names)
-        return (*places, *speeds, *memory), (*units, *rates, *("m" for _ in memory))
+        memory, driven = self._memory.names, self._drivers
+        names = (*places, *speeds, *driven.places, *memory)
+        return names, (*units, *rates, *driven.place_units, *("m" for _ in memory))
