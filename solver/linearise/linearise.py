@@ -429,10 +429,10 @@ class _Probe:
     def _normalised(self, C: NDArray[np.float64], vectors: NDArray[np.complex128]) -> NDArray[np.complex128]:
         """Eigenvectors with a largest displacement or rotation of a body of 1 m or 1 rad, and real there."""
         shapes, _ = self._shapes(C, vectors)
-        every = [part.T for shape in shapes.values() for part in (shape.displacement, shape.rotation)]
+        every = [part for shape in shapes.values() for part in (shape.displacement, shape.rotation)]
         if not every or not vectors.shape[1]:
             return vectors
-        parts = np.vstack(every)
+        parts = np.vstack([part.reshape(len(part), -1).T for part in every])
         largest = parts[np.abs(parts).argmax(axis=0), np.arange(parts.shape[1])]
         return np.asarray(vectors / np.where(np.abs(largest) > 0.0, largest, 1.0))
 
@@ -447,7 +447,9 @@ class _Probe:
         total[total == 0.0] = 1.0
         energy /= total
         positions = {
-            channel.name.removesuffix(".position"): slice(channel.column, channel.column + 3)
+            channel.name.removesuffix(".position"): slice(
+                channel.column, channel.column + len(channel.components)
+            )
             for channel in self._channels
             if channel.name.endswith(".position")
         }
@@ -462,7 +464,9 @@ class _Probe:
             if spins.size:
                 turned = rotation_matrix(self._places[number, 4:8]) @ U[spins]
             parts = (within >= 0) & (within < 3), (within >= 3) & (within < 6), (within < 0) | (within >= 6)
-            shapes[name] = BodyShape(moved.T, turned.T)
+            nodes = len(moved) // 3
+            displacement = moved.T if nodes == 1 else moved.T.reshape(len(moved.T), nodes, 3)
+            shapes[name] = BodyShape(displacement, turned.T)
             participation[name] = np.array([energy[own[part]].sum(axis=0) for part in parts]).T
         return shapes, participation
 

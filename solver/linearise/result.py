@@ -30,7 +30,8 @@ class BodyShape:
     Attributes
     ----------
     displacement
-        Of its origin, which `position` records, world axes [m], shape (modes, 3).
+        Of its origin, which `position` records, world axes [m], shape (modes, 3); of frames, rods, shells and cables of
+        all nodes, shape (modes, nodes, 3).
     rotation
         World axes [rad], shape (modes, 3).
     """
@@ -184,7 +185,7 @@ class Linearisation:
         parts = []
         for name, shares in self.participation.items():
             shape = self.shapes[name]
-            along = "xyz"[int(np.abs(shape.displacement[mode]).argmax())]
+            along = "xyz"[int(np.abs(shape.displacement[mode]).reshape(-1, 3).max(axis=0).argmax())]
             about = "xyz"[int(np.abs(shape.rotation[mode]).argmax())]
             for way, share in zip((along, f"about {about}", "bending"), shares[mode], strict=True):
                 parts.append((float(share), f"{name} {way}"))
