@@ -24,21 +24,22 @@ __all__ = [
     "Clutch", "CoefficientLoad", "Component", "Controller", "Converge", "CraneCriterion", "CurveContour",
     "CylinderContour", "Cylindrical", "Database", "Deck", "Distance", "Drag", "DrivePositionInput",
     "DriveSpeedInput", "DynamicsCriterion", "EdgeClamp", "EdgeHinge", "Equalizer", "ExchangeError",
-    "Falls", "Fender", "FixedJoint", "FleetAngle", "FlexibleBody", "FloatingCrane", "Fmu", "ForceInput",
-    "FrameAngleInput", "FrameBody", "FramePositionInput", "FrameSpeedInput", "FrameTurnRateInput",
-    "GantryCrane", "Gravity", "Guide", "HeightTargetInput", "HertzLawCollision", "HertzLawContact",
-    "Hinge", "HookLoad", "Hull", "HuntCrossleyLawCollision", "HuntCrossleyLawContact", "InputError",
-    "JointLoadInput", "JointMotor", "JointSpring", "LimitCriterion", "LineBearing", "LinearLawCollision",
-    "LinearLawContact", "LinkBeam", "Lug", "LugCriterion", "LumpedCable", "MaxwellRope", "Model",
-    "MomentInput", "MooringLine", "Outcome", "Planar", "PointForce", "Pump", "Reference",
-    "RelativeMotion", "RemoteSimulation", "Repeat", "Report", "Results", "RigidBody", "RigidLawCollision",
-    "RigidLawContact", "RodBody", "Rope", "RopeGroup", "Run", "Scenario", "Screw", "Sea", "Sensor",
-    "ShackleCriterion", "SharedLines", "ShellBody", "Simulate", "Simulation", "SimulationStopped",
-    "SlackCriterion", "Slider", "SliderHinge", "SlingAngleCriterion", "SlingCriterion", "SpreadCriterion",
-    "Spreader", "Spring", "SpringRope", "State", "StopError", "Surface", "SurfaceContour", "Tank",
-    "TankRateInput", "ThesisLawCollision", "TiltCriterion", "TiltTargetInput", "TransportCriterion",
-    "Transporter", "Tugger", "Universal", "WinchLengthInput", "WinchSpeedInput", "YieldCriterion",
-    "connect", "load", "load_case", "load_results", "open_child", "run_case"
+    "Falls", "Fender", "FixedJoint", "FleetAngle", "FlexibleBody", "FloatingCrane", "FluidDirectionInput",
+    "FluidSpeedInput", "Fmu", "ForceInput", "FrameAngleInput", "FrameBody", "FramePositionInput",
+    "FrameSpeedInput", "FrameTurnRateInput", "GantryCrane", "Gravity", "Guide", "HeightTargetInput",
+    "HertzLawCollision", "HertzLawContact", "Hinge", "HookLoad", "Hull", "HuntCrossleyLawCollision",
+    "HuntCrossleyLawContact", "InputError", "JointLoadInput", "JointMotor", "JointSpring",
+    "LimitCriterion", "LineBearing", "LinearLawCollision", "LinearLawContact", "LinkBeam", "Lug",
+    "LugCriterion", "LumpedCable", "MaxwellRope", "Model", "MomentInput", "MooringLine", "Outcome",
+    "Planar", "PointForce", "Pump", "Reference", "RelativeMotion", "RemoteSimulation", "Repeat", "Report",
+    "Results", "RigidBody", "RigidLawCollision", "RigidLawContact", "RodBody", "Rope", "RopeGroup", "Run",
+    "Scenario", "Screw", "Sea", "Sensor", "ShackleCriterion", "SharedLines", "ShellBody", "Simulate",
+    "Simulation", "SimulationStopped", "SlackCriterion", "Slider", "SliderHinge", "SlingAngleCriterion",
+    "SlingCriterion", "SpreadCriterion", "Spreader", "Spring", "SpringRope", "State", "StopError",
+    "Surface", "SurfaceContour", "Tank", "TankRateInput", "ThesisLawCollision", "TiltCriterion",
+    "TiltTargetInput", "TransportCriterion", "Transporter", "Tugger", "Universal", "WinchLengthInput",
+    "WinchSpeedInput", "YieldCriterion", "connect", "load", "load_case", "load_results", "open_child",
+    "run_case"
 ]
 
 Quantity = float | str
@@ -5498,6 +5499,70 @@ class DriveSpeedInput(Component):
     joint: str
     value: Quantity
     interpolation: Literal["held", "linear"]
+    smallest: Quantity | None
+    largest: Quantity | None
+
+class FluidDirectionInput(Component):
+    """Direction in which a wind or a current flows, from world x, anticlockwise; begins with theirs, no table.
+
+    Parameters
+    ----------
+    name : text
+        Name; the first part of its channels.
+    fluid : text, default "wind"
+        Name of a wind or a current.
+    smallest : angle [rad], optional
+        Smallest value that it may be set to [rad].
+    largest : angle [rad], optional
+        Largest value that it may be set to [rad].
+
+    Notes
+    -----
+    Channels: NAME.value [rad].
+    """
+
+    def __init__(
+        self,
+        name: str,
+        /,
+        *,
+        fluid: str = ...,
+        smallest: Quantity | None = ...,
+        largest: Quantity | None = ...,
+    ) -> None: ...
+    fluid: str
+    smallest: Quantity | None
+    largest: Quantity | None
+
+class FluidSpeedInput(Component):
+    """Mean speed of a wind at 10 m, without fluctuation, or of a current with one at all depths; begins with theirs.
+
+    Parameters
+    ----------
+    name : text
+        Name; the first part of its channels.
+    fluid : text, default "wind"
+        Name of a wind or a current.
+    smallest : velocity [m/s] >= 0, optional
+        Smallest value that it may be set to [m/s].
+    largest : velocity [m/s] >= 0, optional
+        Largest value that it may be set to [m/s].
+
+    Notes
+    -----
+    Channels: NAME.value [m/s].
+    """
+
+    def __init__(
+        self,
+        name: str,
+        /,
+        *,
+        fluid: str = ...,
+        smallest: Quantity | None = ...,
+        largest: Quantity | None = ...,
+    ) -> None: ...
+    fluid: str
     smallest: Quantity | None
     largest: Quantity | None
 

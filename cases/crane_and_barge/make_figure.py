@@ -1,11 +1,12 @@
 """A crane and its barge in two programs against one, over the time between exchanges: errors.csv, errors.png."""
 
 import csv
+import sys
 import tempfile
 from pathlib import Path
 
-import matplotlib as mpl
 import numpy as np
+from matplotlib.figure import Figure
 
 from heavylift.pipeline import load_case, load_results, run_case
 from heavylift.pipeline.coupled.coupling_file import load_coupling
@@ -35,7 +36,7 @@ def errors(method, interval, whole, duration=None):
         try:
             run_coupled(load_coupling(HERE, changes), Path(out), Log(quiet=True))
         except ValueError as refused:  # not stable
-            print(refused)
+            sys.stderr.write(f"{refused}\n")
             return [np.nan] * len(CHANNELS)
         found = {name: load_results(load_case(HERE / name), Path(out) / name) for name in ("crane", "barge")}
         return [
@@ -46,6 +47,7 @@ def errors(method, interval, whole, duration=None):
 
 
 def main():
+    """Write both files."""
     with tempfile.TemporaryDirectory() as out:
         case = load_case(HERE)
         run_case(case, out=out, stages=("mesh", "modes", "simulate"))
@@ -55,10 +57,8 @@ def main():
         rows = csv.writer(stream, lineterminator="\n")
         rows.writerow(["method", "interval [s]", *(name for _, name in CHANNELS)])
         rows.writerows([m, h, *(f"{e:.2e}" for e in row)] for (m, h), row in found.items())
-    mpl.use("Agg")
-    from matplotlib import pyplot as plt
-
-    figure, axes = plt.subplots(figsize=(6.4, 4.4), layout="constrained")
+    figure = Figure(figsize=(6.4, 4.4), layout="constrained")
+    axes = figure.add_subplot()
     for method, marker in zip(METHODS, "sd^", strict=True):
         worst = [max(found[method, h]) for h in INTERVALS]
         axes.loglog(INTERVALS, worst, marker=marker, label=method)

@@ -28,6 +28,7 @@ GUIDES = (
     "rigging.md",
     "equipment.md",
     "blocks.md",
+    "coupling.md",
     "criteria.md",
     "editor.md",
     "benchmarks.md",

@@ -122,6 +122,10 @@ COMMANDS = {
     "lines": (".",),
     "rao": (".",),
     "ballast": (".",),
+    "eigen": (".",),
+    "serve": (".", "--pipe"),
+    "fmu": (".",),
+    "couple": (".",),
     "doctor": (),
     "compile": ("RowJoints", "PointForces", "UniformGravity", "--force"),
 }
