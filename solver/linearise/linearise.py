@@ -33,7 +33,7 @@ from heavylift.solver.linearise.modes import find_modes
 from heavylift.solver.linearise.motions import Motions
 from heavylift.solver.linearise.rates import find_middle
 from heavylift.solver.linearise.result import BodyShape, Linearisation
-from heavylift.solver.linearise.served import check_served
+from heavylift.solver.linearise.served import check_open, check_served
 from heavylift.solver.start.rows import StartRows, quoted
 
 if TYPE_CHECKING:
@@ -57,6 +57,9 @@ power."""
 DIFFERENCE, DIFFERENCE_MOVING = 1e-6, 1e-4
 """Displacement of the difference quotients, relative to the size of the scene, or in radians; of both sorts of
 states."""
+
+NEAR = 10.0
+"""Of the largest displacement: gap below which a contact counts as closed."""
 
 MOVES = 1e-5
 """Velocity [m/s, rad/s] from which on a state moves."""
@@ -127,6 +130,10 @@ def linearise(
         return _Probe(simulation, drivers).linearise(columns)
     finally:
         kept.put_back()
+        if simulation.scene.touches:
+            from heavylift.solver.contact.check_start import forget_trials
+
+            forget_trials(simulation.layout)
 
 
 class _Kept:
@@ -201,6 +208,7 @@ class _Probe:
         self._drivers = drivers
         self._layout = layout = simulation.layout
         self._time = simulation.time
+        self._scene = simulation.scene
         self._gravity = float(np.linalg.norm(simulation.scene.gravity))
         self._channels = simulation.channels
         tables = layout.bodies, layout.forces, layout.joints, layout.systems, layout.work
@@ -298,8 +306,12 @@ class _Probe:
         scale = np.concatenate(
             [steps, rates * steps, places, np.full(more, self._difference * self._size), by_inputs]
         )
+        nothing = np.zeros(count), np.zeros(given)
+        if self._scene.touches:
+            near = NEAR * self._difference * self._size
+            check_open(self._scene, self._channels, self._at(*nothing)[count:], near)
         while True:
-            base = self._at(np.zeros(count), np.zeros(given))
+            base = self._at(*nothing)
             residual = self._mean(self._all)
             M = np.zeros((len(base), count + given))
             suspects = []
