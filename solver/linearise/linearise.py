@@ -236,6 +236,13 @@ class _Probe:
         self._difference = DIFFERENCE_MOVING if moves else DIFFERENCE
         self._size = self._extent()
         self._free = Independent(self._motions, self._turning(), self._size)
+        if not self._free.chosen.size:
+            raise InputError(
+                "the joints leave no motion",
+                source="linearisation",
+                key="state",
+                expected="something that moves freely",
+            )
         self._free.close()
         self._kept = _Kept(layout)
         self._w = self._velocity[self._free.chosen]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -64,7 +64,8 @@ def check_open(scene: Scene, channels: Sequence[Channel], row: NDArray[np.float6
         Names the first of them.
     """
     columns = {channel.name: channel.column for channel in channels}
-    for one in (*scene.contacts, *scene.collisions):
+    touching: tuple[Any, ...] = (*scene.contacts, *scene.collisions)
+    for one in touching:
         force, gap = (float(row[columns[f"{one.name}.{what}"]]) for what in ("normal_force", "gap"))
         if force != 0.0 or gap < near:
             raise InputError(

@@ -18,6 +18,7 @@ from heavylift.solver.inputs.drives import FramePositionInput, FrameSpeedInput
 from heavylift.solver.inputs.force import ForceInput
 from heavylift.solver.inputs.winches import WinchLengthInput, WinchSpeedInput
 from heavylift.solver.joints.ball import Ball
+from heavylift.solver.joints.fixed import FixedJoint
 from heavylift.solver.linearise.linearise import linearise
 from heavylift.solver.linearise.result import Linearisation
 from heavylift.solver.scene.connections import GROUND, RopePoint, Winch
@@ -351,3 +352,10 @@ def test_inputs_without_columns() -> None:
     found = linearise(simulation)
     assert found.inputs == ()
     assert any("'place'" in words for words in found.warnings)
+
+
+def test_joints_that_leave_no_motion() -> None:
+    body = RigidBody("block", 1.0, np.eye(3))
+    scene = Scene((body,), (DOWN,), (), (joint(FixedJoint, "weld", None, body, (0, 0, 0)),))
+    with pytest.raises(InputError, match="the joints leave no motion"):
+        of(scene)
