@@ -448,6 +448,34 @@ class Simulation:
             for name, value, rate, until in wanted
         ]
 
+    def linearise(
+        self, inputs: Sequence[str] | None = None, outputs: Sequence[str] | None = None
+    ) -> Linearisation:
+        """Matrices and modes of small motions about the state now, which stays as it is.
+
+        Parameters
+        ----------
+        inputs
+            Names; all by default.
+        outputs
+            Names of outputs or of whole channels; none by default.
+
+        Raises
+        ------
+        InputError
+            If something of the scene has no linear motion, or a name is unknown.
+
+        Examples
+        --------
+        >>> import heavylift as hl
+        >>> modes = hl.Simulation("cases/hoist").linearise()
+        >>> print(f"{modes.frequencies[-1]:.3f} Hz")
+        1.007 Hz
+        """
+        from heavylift.solver.linearise.linearise import linearise
+
+        return linearise(self._solver, inputs, outputs)
+
     def save(self) -> State:
         """The state now, inputs included."""
         return State(self._solver.state())
