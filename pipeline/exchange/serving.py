@@ -163,7 +163,7 @@ def _simulation(path: Path, out: Path | None, overrides: Sequence[str]) -> Simul
     """The simulation of a case."""
     from heavylift.pipeline.stepping.simulation import Simulation
 
-    return Simulation(path, out=out, overrides=overrides)
+    return Simulation(path, out=out, overrides=overrides, history=out is not None)
 
 
 def _ending(service: Service, out: Path | None) -> int:
