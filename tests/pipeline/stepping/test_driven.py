@@ -200,3 +200,16 @@ def test_without_a_history_nothing_is_kept(sim):
         lean.results()
     sim.restore(hl.State.from_bytes(lean.save().to_bytes()))  # and yet it knows what drove it
     assert len(sim.results().time) == 21
+
+
+def test_a_state_of_other_inputs_is_refused(sim, tmp_path):
+    """The same body and as many inputs, in another order: the push would become the ramp."""
+    sim.step(0.5, {"push": 4.0})
+    text = sim.case.file.read_text()
+    head, first, second = text.split("[[inputs]]")
+    (tmp_path / "other").mkdir()
+    (tmp_path / "other" / "case.toml").write_text("[[inputs]]".join([head, second, first]))
+    other = hl.Simulation(tmp_path / "other")
+    with pytest.raises(hl.InputError, match="the state does not fit this scene"):
+        other.restore(sim.save())
+    assert other.inputs["ramp"].value == 0.0
