@@ -483,13 +483,12 @@ static int hl__ask(hl_client *c)
         c->socket = -1;
         return code;
     }
-    r = hl__field(c, "ok");
-    if (hl__head(&r, &value) != 'f' || r.bad || !value) return hl__error_of(c);
     r = hl__field(c, "time");
     if (!r.bad) c->time = hl__take_double(&r);
     r = hl__field(c, "ended");
     if (!r.bad && hl__head(&r, &value) == 'f') c->ended = (int)value;
-    return HL_OK;
+    r = hl__field(c, "ok");
+    return hl__head(&r, &value) != 'f' || r.bad || !value ? hl__error_of(c) : HL_OK;
 }
 
 static int hl__greet(hl_client *c, const char *token, const char *role)
