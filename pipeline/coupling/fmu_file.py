@@ -32,6 +32,12 @@ REALS = {"Real": "Real", "Float64": "Float64", "Float32": "Float32"}
 """Types of variables that are exchanged, and the accessors of FMPy that carry them."""
 WHOLE = {"Integer", "Enumeration", "Int8", "UInt8", "Int16", "UInt16", "Int32", "UInt32", "Int64", "UInt64"}
 _PLAIN = re.compile(r"[A-Za-z_][A-Za-z0-9_]*\Z")
+_ENCODING = re.compile(
+    rb"""(?:\xef\xbb\xbf)?\s*<(?:\?xml\b(?:[^>\0]*?\bencoding\s*=\s*["']([^"'\0]*)["'])?[^>\0]*>)?[^\0]*\Z"""
+)
+"""A text whose bytes are those of ASCII where they can be, and the encoding that it says."""
+_READABLE = re.compile(rb"utf-?8|(?:us-)?ascii|iso-8859-\d+|windows-125\d", re.IGNORECASE)
+"""Encodings in which they are; FMI has the first alone."""
 _PURE = {"1", "-", "none"}
 """Names of units of pure numbers."""
 
@@ -208,6 +214,11 @@ def read_fmu(path: Path) -> FmuFile:
 def _description(path: Path, text: bytes) -> Any:
     """The model description, as FMPy reads it."""
     key, expected = "modelDescription.xml", "a description as the FMI standard has it"
+    encoding = _ENCODING.match(text)
+    if encoding is None or not (encoding[1] is None or _READABLE.fullmatch(encoding[1])):
+        raise _refuse(
+            path, "is not in UTF-8", expected, key=key
+        )  # what is in it could not be seen before it is read
     if b"<!DOCTYPE" in text or b"<!ENTITY" in text:  # which may name files of this machine
         raise _refuse(path, "defines entities", expected, key=key)
     with tempfile.TemporaryDirectory(prefix="heavylift_fmu_") as folder:
