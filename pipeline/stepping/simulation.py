@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from heavylift.pipeline.case.case_file import Case
     from heavylift.pipeline.results.histories import Results
     from heavylift.pipeline.stages.work import StageReport
+    from heavylift.solver.linearise.result import Linearisation
     from heavylift.solver.scenario.operation import LogLine
     from heavylift.solver.simulation import Simulation as Solver
 
@@ -442,6 +443,35 @@ class Simulation:
             else:
                 wanted.append((name, value, 0.0, math.inf))
         self._set(wanted)
+
+    def linearise(
+        self, inputs: Sequence[str] | None = None, outputs: Sequence[str] | None = None
+    ) -> Linearisation:
+        """Matrices and modes of small motions about the state now, which stays as it is.
+
+        Parameters
+        ----------
+        inputs
+            Names; all by default.
+        outputs
+            Names of outputs or of whole channels; none by default.
+
+        Raises
+        ------
+        InputError
+            If something of the scene has no linear motion, or a name is unknown.
+
+        Examples
+        --------
+        >>> import heavylift as hl
+        >>> modes = hl.Simulation("cases/hoist").linearise()
+        >>> print(f"{modes.frequencies[-1]:.3f} Hz")
+        1.007 Hz
+        """
+        from heavylift.solver.linearise.linearise import linearise
+
+        with in_case(self.case):
+            return linearise(self._solver, inputs, outputs)
 
     def save(self) -> State:
         """The state now, inputs included."""
