@@ -63,7 +63,8 @@ class InputInfo:
     name, unit, sentence
         Name, SI unit, and what it is.
     interpolation
-        ``"held"``: a value acts from the moment at which it is set; ``"linear"``: it is reached at the end of the step.
+        ``"held"``: a value acts from the moment at which it is set; ``"linear"``: it is reached at the end of the step;
+        ``"constant"``: as held, and it takes no rate.
     value
         Now.
     smallest, largest

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from difflib import get_close_matches
-from typing import TYPE_CHECKING, Any, NoReturn
+from typing import TYPE_CHECKING, Any, Literal, NoReturn
 
 import numpy as np
 
@@ -38,7 +38,8 @@ class Port:
     sentence
         What it does, in words.
     interpolation
-        ``"held"``: it jumps when it is set; ``"linear"``: it moves to what it is set to.
+        ``"held"``: it jumps when it is set; ``"linear"``: it moves to what it is set to; ``"constant"``: it jumps, and
+        takes no rate.
     smallest, largest
         Limits, infinite if there are none.
     """
@@ -47,7 +48,7 @@ class Port:
     quantity: str
     unit: str
     sentence: str
-    interpolation: Interpolation
+    interpolation: Interpolation | Literal["constant"]
     smallest: float
     largest: float
 
@@ -105,7 +106,7 @@ class InputPorts(Mapping[str, Port]):
                 recorded.quantity,
                 recorded.unit,
                 one.sentence,
-                one.interpolation,
+                "constant" if target.steady else one.interpolation,
                 max(target.lowest, -math.inf if low is None else low),
                 min(target.highest, math.inf if high is None else high),
             )
