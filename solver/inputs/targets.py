@@ -170,6 +170,8 @@ class WinchTarget(_Planned):
         first, why = math.inf, ""
         for name, kind, number, ratio in self._ropes:
             left = float(kind.table[number].start_length) - self._hauled(kind, number, time)
+            if hasattr(kind, "control_state"):  # its brake slips more, perhaps, until then
+                left += float(kind.control_state[number].paid_out)
             last = speed + growth * span if growth != 0.0 else speed
             fastest = max(ratio * speed, ratio * last, 0.0)
             left -= 2.0 * step * (fastest if math.isfinite(fastest) else max(ratio * speed, 0.0))
@@ -465,8 +467,12 @@ class _Binder:
         if "winch" in driven:
             from heavylift.solver.scenario.packing import rope_kinds
 
-            plain, rubbing, _ = rope_kinds(self._kinds[1])
-            found |= {"winches": plain.winches, "rubbing_winches": rubbing.winches}
+            plain, rubbing, held = rope_kinds(self._kinds[1])
+            found |= {
+                "winches": plain.winches,
+                "rubbing_winches": rubbing.winches,
+                "held_winches": held.winches,
+            }
         if "tank" in driven:
             found["levels"] = self._hulls.tank_levels
         if "drive" in driven:
