@@ -66,8 +66,8 @@ class Inputs(Arrays):
         The inputs; what they were set to, carried.
     winches, rubbing_winches, held_winches, levels, profiles, aims, fields, heights, turns
         Numbers of the tables that inputs write, carried here: rows of winches, of those of ropes over sheaves that rub,
-        and of those with a brake, levels of tanks, profiles of drives, aims of controllers, winds and currents, their speeds over the height and
-        their directions; empty where nothing writes them, or a scenario carries them.
+        and of those with a brake, levels of tanks, profiles of drives, aims of controllers, winds and currents, their
+        speeds over the height and their directions; empty where nothing writes them, or a scenario carries them.
     """
 
     carried_fields: ClassVar[tuple[str, ...]] = (
