@@ -159,8 +159,12 @@ class WinchTarget(_Planned):
             count = self._put_place(time, 0.0, -rate, until, linear_speeds=True)
         else:
             count = self._put_speed(time, 0.0, value, rate, until)
-        for _, kind, number, ratio in self._ropes:
+        for place, (_, kind, number, ratio) in enumerate(self._ropes):
             hauled = self._hauled(kind, number, time)
+            if (
+                self._by_length and place == 0
+            ):  # as the value says, whatever settings before have left to rounding
+                hauled = float(kind.table[number].start_length) - value
             in_python(write_winch)(kind, number, count, time, ratio, hauled, self._plan)
 
     def end(self, time: float, value: float, rate: float, until: float, step: float) -> tuple[float, str]:
@@ -226,11 +230,10 @@ class DriveTarget(_Planned):
         """Cubics of the profile."""
         from heavylift.solver.scenario.sequencer import write_profile
 
-        place = self._place(time)
         if self._by_place:
-            count = self._put_place(time, place, rate, until, linear_speeds=False)
+            count = self._put_place(time, value, rate, until, linear_speeds=False)
         else:
-            count = self._put_speed(time, place, value, rate, until)
+            count = self._put_speed(time, self._place(time), value, rate, until)
         in_python(write_profile)(self._profiles, self._first, count, time, self._plan)
 
 

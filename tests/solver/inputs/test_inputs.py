@@ -150,6 +150,17 @@ def test_a_length_of_a_rope_moves_and_is_held() -> None:
     np.testing.assert_allclose(value, rest, rtol=1e-12)
 
 
+def test_many_settings_of_a_length_do_not_drift() -> None:
+    """To the last bit what the input says, after a thousand of them."""
+    simulation = Simulation(hoist(inputs=(WinchLengthInput(name="length", rope="hoist"),)), 0.001)
+    for index in range(1000):
+        now = simulation.inputs.value("length")[0]
+        simulation.set_input("length", now, math.sin(index), simulation.time + 0.001)
+        records = simulation.advance(1)[1]
+    rest, value = (column(simulation, name, records)[0] for name in ("hoist.rest_length", "length.value"))
+    assert abs(rest - value) <= 2.0 * np.spacing(value)
+
+
 @pytest.mark.parametrize("integrator", ["dele2", "accurate"])
 def test_a_run_ends_before_a_rope_is_used_up(integrator: str) -> None:
     """Two steps before; what was computed stays, and nothing can be set behind it."""
