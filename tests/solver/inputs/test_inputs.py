@@ -301,6 +301,10 @@ BAD: tuple[tuple[tuple[Any, ...], str], ...] = (
     (("push", math.inf), r"value inf"),
     (("push", "a lot"), r"value 'a lot'"),
     (("push", None), r"value None"),
+    (("push", "1.0"), r"value '1.0'; expected a finite number"),
+    (("push", 10**5000), r"value beyond 1e308; expected a finite number"),
+    (("push", [1.0, 2.0]), r"value \[1.0, 2.0\]"),
+    ((["push"], 1.0), r"'push'.* is no input"),
     (("push", 1.0, math.nan, 1.0), r"rate nan"),
     (("push", 1.0, 1.0, -math.inf), r"until -inf"),
     (("push", 1.0, 0.0, 0.1), r"until 0.1 s, and it is t = 0.1 s; expected a later time"),
@@ -313,7 +317,7 @@ BAD: tuple[tuple[tuple[Any, ...], str], ...] = (
 )
 
 
-@pytest.mark.parametrize(("setting", "words"), BAD, ids=[str(one[0]) for one in BAD])
+@pytest.mark.parametrize(("setting", "words"), BAD, ids=[str(place) for place in range(len(BAD))])
 def test_a_bad_setting_is_refused_and_changes_nothing(setting: tuple[Any, ...], words: str) -> None:
     simulation = Simulation(hoist(inputs=LIMITED), 0.1)
     simulation.set_input("push", 2.0)
