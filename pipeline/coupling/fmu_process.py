@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
 from heavylift.numerics.children import NEUTRAL_FOLDER, module_folders, python_command
-from heavylift.numerics.outcome import in_one_line
+from heavylift.numerics.outcome import InputError, in_one_line
 from heavylift.pipeline.coupling.fmu_file import REALS, unpack_fmu
 
 if TYPE_CHECKING:
@@ -32,6 +32,8 @@ KEPT_LINES = 20
 """Of what an FMU has logged, the last ones."""
 PATIENCE = 5.0
 """Time [s] that an FMU has to end by itself."""
+LOADING = 60.0
+"""Time [s] that its process has to begin, at least."""
 LOUDEST = 20_000
 """Bytes of what an FMU has printed that are looked at."""
 
@@ -87,7 +89,12 @@ class FmuProcess:
         self._saved = 0
         folder = Path(tempfile.mkdtemp(prefix="heavylift_fmu_"))
         try:
-            unpack_fmu(fmu, folder)
+            try:
+                unpack_fmu(fmu, folder)
+            except InputError as error:
+                raise FmuError(
+                    f"FMU {name!r} ({fmu.title}): {error.problem}; expected {error.expected}"
+                ) from None
             self._pipe, self._life, self._process, self._printed = _begin(folder)
         except BaseException:
             shutil.rmtree(folder, ignore_errors=True)
@@ -178,6 +185,8 @@ class FmuProcess:
         if not self._close.alive:
             self._fail("its process has ended", when)
         seconds = self.timeout if patience is None else patience
+        if do == "load":
+            seconds = max(seconds, LOADING)  # most of it is not the FMU's
         verb = {"load": "be loaded", "start": "start", "step": "make a step"}.get(do, do)
         try:
             self._pipe.send_bytes(json.dumps({"do": do, **given}).encode())
@@ -211,7 +220,7 @@ class FmuProcess:
         self._close()
         place = "" if when is None else f"t = {when:.9g} s: "
         words = f"; it said: {'; '.join(said)}" if said else ""
-        raise FmuError(f"{place}FMU {self.name!r} ({self.fmu.path.name}): {problem}{words}")
+        raise FmuError(f"{place}FMU {self.name!r} ({self.fmu.title}): {problem}{words}")
 
     def _last_printed(self) -> list[str]:
         """Last line that was printed, of a file of which nobody knows how long it is."""
@@ -243,7 +252,7 @@ def _begin(folder: Path) -> tuple[Connection, int, subprocess.Popen[bytes], Bina
     numbers = (theirs.fileno(), life)
     try:
         process = subprocess.Popen(  # noqa: S603
-            python_command("-m", "heavylift.pipeline.coupling.fmu_host", *map(str, numbers)),
+            python_command("-m", "heavylift.pipeline.coupling.fmu_host", *map(str, numbers), str(folder)),
             stdin=subprocess.DEVNULL,
             stdout=printed,
             stderr=subprocess.STDOUT,

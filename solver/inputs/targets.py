@@ -31,6 +31,9 @@ if TYPE_CHECKING:
 
 __all__ = ["BoundInputs", "Target", "bind_inputs"]
 
+LAST = 1e-9
+"""Part of the time in which a drive changes, by which that lasts longer."""
+
 
 @dataclass(frozen=True, eq=False)
 class BoundInputs:
@@ -75,6 +78,9 @@ class Target:
 
     def put(self, time: float, value: float, rate: float, until: float) -> None:
         """Write its table: a value that changes at a rate from a time on [s], until another one, when it is held."""
+
+    def displace(self, time: float, amount: float) -> None:
+        """Let the place of what a speed drives be another one, by an amount of that speed times a time."""
 
     def end(self, time: float, value: float, rate: float, until: float, step: float) -> tuple[float, str]:
         """When it can do so no more [s], and why; infinite if it always can. `step` is that of the run [s]."""
@@ -161,11 +167,16 @@ class WinchTarget(_Planned):
             count = self._put_speed(time, 0.0, value, rate, until)
         for place, (_, kind, number, ratio) in enumerate(self._ropes):
             hauled = self._hauled(kind, number, time)
-            if (
-                self._by_length and place == 0
-            ):  # as the value says, whatever settings before have left to rounding
+            if self._by_length and place == 0:  # as the value says, whatever rounding has left before
                 hauled = float(kind.table[number].start_length) - value
             in_python(write_winch)(kind, number, count, time, ratio, hauled, self._plan)
+
+    def displace(self, time: float, amount: float) -> None:
+        """A length hauled in more."""
+        del time
+        for _, kind, number, ratio in self._ropes:
+            kind.table[number].start_length -= ratio * amount
+            kind.state[number].rest -= ratio * amount
 
     def end(self, time: float, value: float, rate: float, until: float, step: float) -> tuple[float, str]:
         """Two steps before the whole rope is hauled in, as in a scenario."""
@@ -234,6 +245,19 @@ class DriveTarget(_Planned):
             count = self._put_place(time, value, rate, until, linear_speeds=False)
         else:
             count = self._put_speed(time, self._place(time), value, rate, until)
+        if count > 1:  # what is recorded at the end is how the frame came there
+            last = self._plan[count - 1]
+            longer = LAST * float(last.time)
+            last.time, last.value = last.time + longer, last.value + longer * last.speed
+        in_python(write_profile)(self._profiles, self._first, count, time, self._plan)
+
+    def displace(self, time: float, amount: float) -> None:
+        """Another place, with the speed that it has."""
+        from heavylift.solver.drive import profile_value
+        from heavylift.solver.scenario.sequencer import write_profile
+
+        place, speed, _ = in_python(profile_value)(self._profiles, self._first, time)
+        count = self._put_rows((0.0, place + amount, speed, 0.0))
         in_python(write_profile)(self._profiles, self._first, count, time, self._plan)
 
 
