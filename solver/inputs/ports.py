@@ -119,7 +119,7 @@ class InputPorts(Mapping[str, Port]):
         InputError
             If there is none; names the nearest.
         """
-        port = self._ports.get(name)
+        port = self._ports.get(name) if isinstance(name, str) else None
         if port is None:
             near = get_close_matches(str(name), self._ports, 3, 0.4) or list(self._ports)[:10]
             raise InputError(
@@ -297,7 +297,9 @@ class InputPorts(Mapping[str, Port]):
         found = []
         for key, given in (("value", value), ("rate", rate), ("until", until)):
             try:
-                number = float(given)
+                number = math.nan if isinstance(given, str | bytes) else float(given)
+            except OverflowError:
+                self._refuse(name, f"{key} beyond 1e308", "a finite number")
             except (TypeError, ValueError):
                 number = math.nan
             if math.isnan(number) or (math.isinf(number) and (key != "until" or number < 0.0)):
