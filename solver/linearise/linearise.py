@@ -35,6 +35,7 @@ from heavylift.solver.linearise.rates import find_middle
 from heavylift.solver.linearise.result import BodyShape, Linearisation
 from heavylift.solver.linearise.served import check_open, check_served
 from heavylift.solver.start.rows import StartRows, quoted
+from heavylift.solver.stop_message import stop_message
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -274,6 +275,13 @@ class _Probe:
         found = []
         for step in (self._step, 0.5 * self._step, 0.25 * self._step):
             self._middle(self._time, step)
+            if self._layout.work.status.outcome != 0:
+                raise InputError(
+                    stop_message(self._layout, "beside the state"),
+                    source="linearisation",
+                    key="state",
+                    expected="a state from which a step can be made",
+                )
             found.append((self._motions.middle() - before) * (2.0 / step))
         if self._system is not None:
             self._system.rows["reaction"] = self._system.rows["impulse"] * (2.0 / step)
