@@ -13,7 +13,7 @@ joints and ropes, are in them as the step has them.
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -42,7 +42,7 @@ if TYPE_CHECKING:
 
     from heavylift.solver.simulation import Simulation
 
-__all__ = ["linearise"]
+__all__ = ["OutputColumns", "linearise", "output_columns"]
 
 STEP, STEP_MOVING = 1e-7, 1e-5
 """Of the accelerations [s], with a half and a quarter of it; longer about a state that moves, where rounding of the
@@ -123,7 +123,7 @@ def linearise(
         print(linearise(simulation).table())
     """
     check_served(simulation)
-    columns = _output_columns(simulation, outputs)
+    columns = output_columns(simulation, outputs)
     simulation.warm_up()
     drivers = Drivers(simulation, inputs)
     kept = _Kept(simulation.layout)
@@ -162,15 +162,16 @@ def _arrays(group: Any) -> Iterator[NDArray[Any]]:
             yield from _arrays(value)
 
 
-class _Columns:
-    """Columns of a record that are outputs."""
+class OutputColumns(NamedTuple):
+    """Columns of a record that are outputs: names, SI units, places."""
 
-    def __init__(self, names: tuple[str, ...], units: tuple[str, ...], places: NDArray[np.int64]) -> None:
-        self.names, self.units, self.places = names, units, places
+    names: tuple[str, ...]
+    units: tuple[str, ...]
+    places: NDArray[np.int64]
 
 
-def _output_columns(simulation: Simulation, names: Sequence[str] | None) -> _Columns:
-    """Of outputs by name.
+def output_columns(simulation: Simulation, names: Sequence[str] | None) -> OutputColumns:
+    """Of outputs by name, ``OWNER.CHANNEL.COMPONENT`` or a whole ``OWNER.CHANNEL``; none if None.
 
     Raises
     ------
@@ -195,7 +196,7 @@ def _output_columns(simulation: Simulation, names: Sequence[str] | None) -> _Col
                 expected=f"{near!r}" if near else "OWNER.CHANNEL or OWNER.CHANNEL.COMPONENT",
             )
         chosen += [name] if name in every else whole[name]
-    return _Columns(
+    return OutputColumns(
         tuple(chosen),
         tuple(every[name][0] for name in chosen),
         np.array([every[name][1] for name in chosen], dtype=np.int64),
@@ -310,7 +311,7 @@ class _Probe:
         self._record(self._time, self._row)
         return np.concatenate([*rates, self._row])
 
-    def linearise(self, columns: _Columns) -> Linearisation:
+    def linearise(self, columns: OutputColumns) -> Linearisation:
         """Differences by all states and inputs."""
         n, more, drivers = len(self._w), len(self._m), self._drivers
         count, given = 2 * n + len(drivers.places) + more, len(drivers.columns)
