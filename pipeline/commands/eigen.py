@@ -99,6 +99,8 @@ def eigen_command(
     make_parts(case, folder)
     run = prepare_run(case, folder, log)
     simulation = run.simulation
+    if case.fmus:
+        log.say("eigen: NOTE: what FMUs write stays as it is: these are the motions without their answers")
     with in_case(case):
         check_served(simulation)
     compile_parts(simulation, log)

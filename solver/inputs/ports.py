@@ -64,7 +64,7 @@ class InputPorts(Mapping[str, Port]):
     whole_steps
         Whether times are ends of steps: there is no tolerance.
     corners
-        Times at which a step must end [s], with room at the end for one of each input.
+        Times at which a step must end [s], with room at the end for two of each input.
     clock
         The present time [s].
 
@@ -283,8 +283,9 @@ class InputPorts(Mapping[str, Port]):
     def _derive(self) -> None:
         """The first end, and the corners."""
         self.ends = min(self._ends, key=lambda end: end[0])
-        changing = (float(one.until) for one in self._state if float(one.rate) != 0.0)
-        corners = sorted({*self._fixed_corners.tolist(), *filter(math.isfinite, changing)})
+        found = {float(one.until) for one in self._state if float(one.rate) != 0.0}
+        found |= {end for end, _ in self._ends} | set(self._fixed_corners.tolist())
+        corners = sorted(filter(math.isfinite, found))
         self._corners[: len(corners)] = corners
         self._corners[len(corners) :] = math.inf
 

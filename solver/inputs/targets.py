@@ -31,6 +31,9 @@ if TYPE_CHECKING:
 
 __all__ = ["BoundInputs", "Target", "bind_inputs"]
 
+LAST = 1e-9
+"""Part of the time in which a drive changes, by which that lasts longer."""
+
 
 @dataclass(frozen=True, eq=False)
 class BoundInputs:
@@ -239,6 +242,10 @@ class DriveTarget(_Planned):
             count = self._put_place(time, place, rate, until, linear_speeds=False)
         else:
             count = self._put_speed(time, place, value, rate, until)
+        if count > 1:  # what is recorded at the end is how the frame came there
+            last = self._plan[count - 1]
+            longer = LAST * float(last.time)
+            last.time, last.value = last.time + longer, last.value + longer * last.speed
         in_python(write_profile)(self._profiles, self._first, count, time, self._plan)
 
     def displace(self, time: float, amount: float) -> None:

@@ -27,6 +27,7 @@ GUIDES = (
     "getting-started.md",
     "rigging.md",
     "equipment.md",
+    "fmi.md",
     "blocks.md",
     "coupling.md",
     "criteria.md",
