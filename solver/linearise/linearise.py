@@ -234,6 +234,8 @@ class _Probe:
             )
         self._velocity = self._motions.velocity
         moves = bool(np.abs(self._velocity).max(initial=0.0) > MOVES)
+        spins = (first for first in self._motions.firsts if self._velocity[first + 3 : first + 6].any())
+        self._spinning = list(spins)
         self._step = STEP_MOVING if moves else STEP
         self._difference = DIFFERENCE_MOVING if moves else DIFFERENCE
         self._size = self._extent()
@@ -302,7 +304,7 @@ class _Probe:
         free.put_velocity(self._w + w)
         self._memory.put(self._m + m)
         speed = motions.velocity - self._velocity
-        for first in motions.firsts:  # in axes that turn
+        for first in self._spinning:  # in axes that turn
             spin = self._velocity[first + 3 : first + 6]
             speed[first + 3 : first + 6] -= np.cross(spin, increment[first + 3 : first + 6])
         self._all = self._acceleration()
@@ -445,6 +447,8 @@ class _Probe:
                 f"the state moves at {speed:.3g} m/s in the mean over the masses: the matrices are those of this"
                 " instant"
             )
+        if self._layout.controllers is not None:
+            found.append("controllers of ballast leave their pumps as they are")
         if self._drivers.left_out:
             found.append(f"no columns of {quoted(self._drivers.left_out)}, which have no linear motion here")
         if bent:
