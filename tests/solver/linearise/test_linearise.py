@@ -12,6 +12,7 @@ from scipy.linalg import eigh, expm
 from start_scenes import joint, linkage, parallelograms
 
 from heavylift.numerics.outcome import InputError
+from heavylift.solver.force_elements.maxwell_rope import MaxwellRope
 from heavylift.solver.force_elements.wire_rope import Rope
 from heavylift.solver.forces.spring import Spring
 from heavylift.solver.inputs.drives import FramePositionInput, FrameSpeedInput
@@ -390,3 +391,18 @@ def test_a_swinging_rod_at_a_time_of_its_run(integrator: str) -> None:
     assert found.A[1] == pytest.approx(expected, rel=1e-5)
     assert found.A[0] == pytest.approx([0.0, 1.0], abs=1e-9)
     assert simulation.advance(20)[1].tobytes() == other.advance(20)[1].tobytes()
+
+
+def test_what_has_no_linear_motion_is_refused() -> None:
+    """All reasons at once, by name."""
+    scene = linkage([(0, 0, 0), (0, -1, 0)], closed=False)
+    rubbing = replace(scene.joints[0], friction=2.0)
+    places = (RopePoint("r0", np.zeros(3)), RopePoint(GROUND, np.array([2.0, 0.0, 0.0])))
+    strap = MaxwellRope(name="strap", path=places, stiffness=1e6, viscosity=1e7)
+    over = (places[0], RopePoint(GROUND, np.array([1.0, 0.0, 0.0]), efficiency=0.97), places[1])
+    fall = Rope(name="fall", path=over, axial_stiffness=1e6)
+    bad = replace(scene, joints=(rubbing,), ropes=(strap, fall))
+    with pytest.raises(InputError) as caught:
+        of(bad)
+    for words in ("'strap' creeps", "'fall' sticks and slides on its sheaves", "'h0' has dry friction"):
+        assert words in caught.value.problem
