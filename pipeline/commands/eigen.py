@@ -110,7 +110,7 @@ def eigen_command(
             log.say(f"eigen: {simulation.start_text}")
         _advance(simulation, time)
         columns = output_columns(simulation, outputs)
-        whole = linearise(simulation, inputs, [channel.name for channel in simulation.channels])
+        whole = linearise(simulation, inputs, every=True)
         found = replace(
             whole,
             C=whole.C[columns.places],

@@ -24,7 +24,10 @@ from heavylift.numerics.records import Record
 from heavylift.numerics.rotation import rotation_matrix
 from heavylift.numerics.threads import one_blas_thread
 from heavylift.numerics.words import nearest
+from heavylift.solver.integrate.integration import Integration
 from heavylift.solver.integrate.loop import write_record
+from heavylift.solver.integrate.trees.forest import Forest
+from heavylift.solver.interface import Systems
 from heavylift.solver.kinds import Table
 from heavylift.solver.linearise.coordinates import Independent
 from heavylift.solver.linearise.drivers import Drivers
@@ -68,6 +71,12 @@ MOVES = 1e-5
 VELOCITY = 100.0
 """Velocity of the difference quotients over their displacement [1/s], about a state at rest."""
 
+NO_STEP = {"fresh": 1, "started": 0, "paced": 0}
+"""What carries its elongation and rates from step to step, as before its first one: it takes them from the geometry."""
+
+EXTREMES = ("_max", "_min")
+"""Ends of names of channels that hold extremes of a time, and have no derivative."""
+
 HOLD = 1e-4
 """Part of the softness of rigid rows in a step that is left here."""
 
@@ -92,7 +101,11 @@ ONE_SIDED = 1e-2
 
 @one_blas_thread
 def linearise(
-    simulation: Simulation, inputs: Sequence[str] | None = None, outputs: Sequence[str] | None = None
+    simulation: Simulation,
+    inputs: Sequence[str] | None = None,
+    outputs: Sequence[str] | None = None,
+    *,
+    every: bool = False,
 ) -> Linearisation:
     """Linearise a scene about the present state of a run, which stays as it is, bit for bit.
 
@@ -104,6 +117,8 @@ def linearise(
         Names of inputs; all if None.
     outputs
         Names of outputs, ``OWNER.CHANNEL`` of all components or ``OWNER.CHANNEL.COMPONENT``; none if None.
+    every
+        Take all columns of a record in place of these, as for pictures of modes.
 
     Returns
     -------
@@ -123,7 +138,8 @@ def linearise(
         print(linearise(simulation).table())
     """
     check_served(simulation)
-    columns = output_columns(simulation, outputs)
+    names = [channel.name for channel in simulation.channels] if every else outputs
+    columns = output_columns(simulation, names, extremes=every)
     simulation.warm_up()
     drivers = Drivers(simulation, inputs)
     kept = _Kept(simulation.layout)
@@ -170,13 +186,15 @@ class OutputColumns(NamedTuple):
     places: NDArray[np.int64]
 
 
-def output_columns(simulation: Simulation, names: Sequence[str] | None) -> OutputColumns:
+def output_columns(
+    simulation: Simulation, names: Sequence[str] | None, *, extremes: bool = False
+) -> OutputColumns:
     """Of outputs by name, ``OWNER.CHANNEL.COMPONENT`` or a whole ``OWNER.CHANNEL``; none if None.
 
     Raises
     ------
     InputError
-        If a name is unknown.
+        If a name is unknown, or that of an extreme over a time, unless these are allowed.
     """
     every: dict[str, tuple[str, int]] = {}
     whole: dict[str, list[str]] = {}
@@ -194,6 +212,14 @@ def output_columns(simulation: Simulation, names: Sequence[str] | None) -> Outpu
                 source="linearisation",
                 key="outputs",
                 expected=f"{near!r}" if near else "OWNER.CHANNEL or OWNER.CHANNEL.COMPONENT",
+            )
+        channel_name = name if name in whole else name.rpartition(".")[0]
+        if channel_name.endswith(EXTREMES) and not extremes:
+            raise InputError(
+                f"{name!r} is an extreme over a time",
+                source="linearisation",
+                key="outputs",
+                expected=f"{channel_name[:-4]!r}",
             )
         chosen += [name] if name in every else whole[name]
     return OutputColumns(
@@ -213,12 +239,16 @@ class _Probe:
         self._scene = simulation.scene
         self._gravity = float(np.linalg.norm(simulation.scene.gravity))
         self._channels = simulation.channels
-        tables = layout.bodies, layout.forces, layout.joints, layout.systems, layout.work
+        # trees of an integrator record what they have found in its own steps; rows record what was found here
+        kinds = (one for one in layout.systems if not isinstance(one, Forest | Integration))
+        systems = Systems(kinds, layout.systems.groups)
+        tables = layout.bodies, layout.forces, layout.joints, systems, layout.work
         self._middle, self._record = find_middle.with_first(*tables), write_record.with_first(*tables)
         self._row = np.zeros(simulation.column_count)
-        for array in (array for kind in layout.joints for array in _arrays(kind)):
-            if array.dtype.names and "fresh" in array.dtype.names:  # elongations are those of the geometry
-                array["fresh"] = 1
+        for array in (array for kind in (*layout.joints, *layout.forces) for array in _arrays(kind)):
+            for name, value in NO_STEP.items():
+                if name in (array.dtype.names or ()):
+                    array[name] = value
         self._rows = rows = StartRows(layout, self._time)
         self._system = next((one for one in layout.systems if "monitor" in one._fields), None)
         if self._system is not None:

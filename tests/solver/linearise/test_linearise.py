@@ -255,6 +255,10 @@ def test_unknown_output() -> None:
     simulation = Simulation(scene, 0.01)
     with pytest.raises(InputError, match=r"no output 'load.positon'.*'load.position'"):
         linearise(simulation, outputs=["load.positon"])
+    with pytest.raises(
+        InputError, match=r"'s0.tension_max' is an extreme over a time; expected 's0.tension'"
+    ):
+        linearise(simulation, outputs=["s0.tension_max"])
     found = linearise(simulation, outputs=["s0.tension", "load.position.z"])
     assert found.output_units == ("N", "m")
     k = EA * (1.0 + MASS * G / EA) / 7.0
@@ -406,3 +410,37 @@ def test_what_has_no_linear_motion_is_refused() -> None:
         of(bad)
     for words in ("'strap' creeps", "'fall' sticks and slides on its sheaves", "'h0' has dry friction"):
         assert words in caught.value.problem
+
+
+def test_outputs_after_steps_are_those_of_the_start() -> None:
+    """What springs, ropes and joints carry from step to step hides no rate and no elongation."""
+    rod_below = linkage([(0, 0, 0), (0, -1, 0)], closed=False)
+    spring = Spring(
+        name="spring", body_a=GROUND, point_a=np.array([2.0, -0.5, 0.0]), body_b="r0", point_b=np.zeros(3),
+        length=2.0, stiffness=300.0, damping=20.0,
+    )  # fmt: skip
+    names = ["spring.force", "h0.reaction_force", "h0.angle"]
+    for integrator in ("dele2", "accurate"):
+        simulation = Simulation(replace(rod_below, forces=(*rod_below.forces, spring)), 0.01, integrator)
+        before = linearise(simulation, outputs=names)
+        x, v = (before.states.index(name) for name in ("r0.x", "r0.velocity.x"))
+        # the spring pushes the rod at its centre: m L2/3 t'' = -m g L/2 t - (k x + c x') L/2
+        restoring = np.array([1.5 * G + 0.75 * 300.0, 0.75 * 20.0])
+        assert -before.A[1, [x, v]] == pytest.approx(restoring, rel=1e-7)
+        assert np.abs(before.C[0, [x, v]]) == pytest.approx([300.0, 20.0], rel=1e-7)
+        expected = -restoring + [300.0, 20.0]  # m x'' = R - k x - c x'
+        assert np.abs(before.C[1, [x, v]]) == pytest.approx(np.abs(expected), rel=1e-6)
+        assert np.abs(before.C[4, [x, v]]) == pytest.approx([2.0, 0.0], rel=1e-6, abs=1e-9)
+        simulation.advance(20)
+        after = linearise(simulation, outputs=names)
+        np.testing.assert_allclose(after.C, before.C, rtol=1e-6, atol=1e-5)
+
+
+def test_tension_of_a_damped_rope_after_steps() -> None:
+    """``EA/l z + c z'``."""
+    simulation = Simulation(hoisted(damping=2e4), 0.01)
+    simulation.advance(20)
+    found = linearise(simulation, outputs=["s0.tension"])
+    place, speed = (found.states.index(name) for name in ("load.z", "load.velocity.z"))
+    k = EA * (1.0 + MASS * G / EA) / 10.0
+    assert found.C[0, [place, speed]] == pytest.approx([-k, -2e4], rel=1e-6)
