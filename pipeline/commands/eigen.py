@@ -332,13 +332,11 @@ def _page(
     }
     columns = {c.name: rows[:, c.column : c.column + len(c.components)] for c in simulation.channels}
     results = Results(case.file, times, channels, columns, {"title": case.title}, meshes)
-    words = whole.table().split("\n")
-    line = next((one for one in words if one.split()[0] == f"{number}"), f"mode {number}")
     content = page_content(
         case,
         case_scene(case, folder, run.scene, results),
         results,
-        verdict=(f"Mode {' '.join(line.split())}", None),
+        verdict=(f"Mode {number}: {whole.words(mode)}", None),
     )
     try:
         return page_html(content)
