@@ -18,6 +18,7 @@ from heavylift.pipeline.results.storage import StopError as StopError
 from heavylift.pipeline.stages.stages import run_case as run_case
 from heavylift.pipeline.stepping.simulation import Simulation as Simulation, SimulationStopped as SimulationStopped
 from heavylift.pipeline.stepping.state import State as State
+from heavylift.solver.linearise.result import Linearisation as Linearisation
 
 __all__ = [
     "Ball", "Ballast", "BandContour", "BilateralLawContact", "Case", "Check", "ClearanceCriterion",
@@ -29,17 +30,17 @@ __all__ = [
     "FrameSpeedInput", "FrameTurnRateInput", "GantryCrane", "Gravity", "Guide", "HeightTargetInput",
     "HertzLawCollision", "HertzLawContact", "Hinge", "HookLoad", "Hull", "HuntCrossleyLawCollision",
     "HuntCrossleyLawContact", "InputError", "JointLoadInput", "JointMotor", "JointSpring",
-    "LimitCriterion", "LineBearing", "LinearLawCollision", "LinearLawContact", "LinkBeam", "Lug",
-    "LugCriterion", "LumpedCable", "MaxwellRope", "Model", "MomentInput", "MooringLine", "Outcome",
-    "Planar", "PointForce", "Pump", "Reference", "RelativeMotion", "RemoteSimulation", "Repeat", "Report",
-    "Results", "RigidBody", "RigidLawCollision", "RigidLawContact", "RodBody", "Rope", "RopeGroup", "Run",
-    "Scenario", "Screw", "Sea", "Sensor", "ShackleCriterion", "SharedLines", "ShellBody", "Simulate",
-    "Simulation", "SimulationStopped", "SlackCriterion", "Slider", "SliderHinge", "SlingAngleCriterion",
-    "SlingCriterion", "SpreadCriterion", "Spreader", "Spring", "SpringRope", "State", "StopError",
-    "Surface", "SurfaceContour", "Tank", "TankRateInput", "ThesisLawCollision", "TiltCriterion",
-    "TiltTargetInput", "TransportCriterion", "Transporter", "Tugger", "Universal", "WinchLengthInput",
-    "WinchSpeedInput", "YieldCriterion", "connect", "load", "load_case", "load_results", "open_child",
-    "run_case"
+    "LimitCriterion", "LineBearing", "LinearLawCollision", "LinearLawContact", "Linearisation",
+    "LinkBeam", "Lug", "LugCriterion", "LumpedCable", "MaxwellRope", "Model", "MomentInput",
+    "MooringLine", "Outcome", "Planar", "PointForce", "Pump", "Reference", "RelativeMotion",
+    "RemoteSimulation", "Repeat", "Report", "Results", "RigidBody", "RigidLawCollision",
+    "RigidLawContact", "RodBody", "Rope", "RopeGroup", "Run", "Scenario", "Screw", "Sea", "Sensor",
+    "ShackleCriterion", "SharedLines", "ShellBody", "Simulate", "Simulation", "SimulationStopped",
+    "SlackCriterion", "Slider", "SliderHinge", "SlingAngleCriterion", "SlingCriterion", "SpreadCriterion",
+    "Spreader", "Spring", "SpringRope", "State", "StopError", "Surface", "SurfaceContour", "Tank",
+    "TankRateInput", "ThesisLawCollision", "TiltCriterion", "TiltTargetInput", "TransportCriterion",
+    "Transporter", "Tugger", "Universal", "WinchLengthInput", "WinchSpeedInput", "YieldCriterion",
+    "connect", "load", "load_case", "load_results", "open_child", "run_case"
 ]
 
 Quantity = float | str
