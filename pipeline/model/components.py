@@ -259,12 +259,20 @@ class Component(metaclass=_ComponentClass):
             self._row.pop(key, None)
         else:
             self._row[key] = given
+        made_at = self._made_at
+        self._tell_line()
         try:
             self._check()
         except InputError:
             self._row.clear()
             self._row.update(before)
+            object.__setattr__(self, "_made_at", made_at)
             raise
+
+    def _tell_line(self) -> None:
+        """Let messages name the line of the program that changes what was read from a file."""
+        if not self._made_at:
+            object.__setattr__(self, "_made_at", line_of_program())
 
     def __getattr__(self, key: str) -> Any:
         if key.startswith("_"):

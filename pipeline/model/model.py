@@ -391,6 +391,9 @@ class Model:
         self._check_entry(trial, places, source)
         assign(self._document, keys, given, Case, source)
         self._taken = None
+        name = ".".join(places[:1] if TABLES_OF_CASE.get(places[0], _TITLE).form == "single" else places[:2])
+        if len(places) > 1 and name in self:
+            self[name]._tell_line()  # noqa: SLF001
 
     @staticmethod
     def _check_entry(document: Mapping[str, Any], places: Sequence[str], source: str) -> None:
@@ -615,6 +618,10 @@ def _rename_key(table: dict[str, Any], old: str, new: str) -> None:
     entries = [(new if key == old else key, value) for key, value in table.items()]
     table.clear()
     table.update(entries)
+
+
+_TITLE = CaseTable("title", "single")
+"""What is set where there is no table."""
 
 
 def load(path: Path | str) -> Model:
