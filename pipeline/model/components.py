@@ -8,6 +8,7 @@ line of code.
 
 from __future__ import annotations
 
+import contextlib
 import copy
 import inspect
 import sys
@@ -28,7 +29,7 @@ from heavylift.pipeline.model.plain import plain
 from heavylift.pipeline.model.words import docstring, words_of
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+    from collections.abc import Callable, Iterator, Mapping
 
 __all__ = ["TABLES_OF_CASE", "CaseTable", "Component", "component_class", "component_names"]
 
@@ -46,6 +47,18 @@ class ModelErrors(InputErrors):
 def raised(errors: list[InputError]) -> InputError:
     """One error as it is, or all of several."""
     return errors[0] if len(errors) == 1 else ModelErrors(errors)
+
+
+@contextlib.contextmanager
+def told(located: Callable[[InputError], InputError] | None) -> Iterator[None]:
+    """Errors at the components of a program, if a model says where they are."""
+    try:
+        yield
+    except InputError as error:
+        if located is None:
+            raise
+        parts = error.errors if isinstance(error, InputErrors) else [error]
+        raise raised([located(one) for one in parts]) from None
 
 
 class CaseTable(NamedTuple):

@@ -9,7 +9,7 @@ import weakref
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from heavylift.numerics.outcome import InputError, InputErrors
+from heavylift.numerics.outcome import InputError
 from heavylift.numerics.words import nearest
 from heavylift.pipeline.case.case_file import CASE_FILE, Case, check_values, make_case, read_document
 from heavylift.pipeline.case.overrides import REMOVED, assign, entry_index
@@ -22,7 +22,7 @@ from heavylift.pipeline.model.components import (
     Component,
     class_of_row,
     line_of_program,
-    raised,
+    told,
 )
 from heavylift.pipeline.model.plain import plain
 from heavylift.pipeline.results.provenance import files_of_case
@@ -450,13 +450,9 @@ class Model:
         ['load']
         """
         document = self.document
-        try:
+        with told(self.located):
             check_values(document, self._file)
             return make_case(document, self._file)
-        except InputErrors as error:
-            raise raised([self.located(one) for one in error.errors]) from None
-        except InputError as error:
-            raise self.located(error) from None
 
     def located(self, error: InputError) -> InputError:
         """An error of its case at the component that the program made, or at the key of the case file."""
