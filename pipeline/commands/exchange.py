@@ -48,7 +48,7 @@ Results = Annotated[
     Path | None,
     Parameter(
         name="--out",
-        help="Folder for the results of the run; without it they are not kept.",
+        help="Folder for meshes, modes and the results of the run; without it they are not kept.",
         show_default=False,
     ),
 ]

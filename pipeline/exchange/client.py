@@ -30,6 +30,7 @@ from heavylift.pipeline.exchange.protocol import (
     msgpack_library,
     unpacked,
 )
+from heavylift.pipeline.exchange.records import of_map
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -37,6 +38,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from heavylift.pipeline.stepping.simulation import InputInfo, OutputInfo
+    from heavylift.solver.linearise.result import Linearisation
 
 __all__ = ["ExchangeError", "RemoteEvent", "RemoteSimulation", "RemoteState", "connect", "open_child"]
 
@@ -140,12 +142,27 @@ class RemoteSimulation:
             raise
 
     @property
+    def child_id(self) -> int | None:
+        """Number of the process that `open_child` has started; None of one that was there."""
+        return None if self._child is None else self._child.pid
+
+    @property
     def inputs(self) -> Mapping[str, InputInfo]:
         """What may be set, with the values of now."""
         if self._ports is None:
             self._describe()
         assert self._ports is not None
         return self._ports[0]
+
+    @property
+    def outcome(self) -> Outcome:
+        """How it stands; `Outcome.COMPLETED` as long as nothing is wrong."""
+        return Outcome[self._ask("describe")["outcome"].upper()]
+
+    @property
+    def message(self) -> str:
+        """Why it has stopped by itself; empty if it has not."""
+        return str(self._ask("describe")["message"])
 
     @property
     def outputs(self) -> Mapping[str, OutputInfo]:
@@ -263,6 +280,29 @@ class RemoteSimulation:
             return
         self._changed(self._ask("restore", bytes=state if isinstance(state, bytes) else state.to_bytes()))
 
+    def linearise(
+        self, inputs: Sequence[str] | None = None, outputs: Sequence[str] | None = None
+    ) -> Linearisation:
+        """Matrices and modes of small motions about the state now, which stays as it is.
+
+        Parameters
+        ----------
+        inputs, outputs
+            Names of inputs, all by default, and of outputs, none by default.
+
+        Raises
+        ------
+        InputError
+            If something of the scene has no linear motion, or a name is unknown.
+        """
+        from heavylift.solver.linearise.result import BodyShape, Linearisation
+
+        wanted = {"inputs": inputs, "outputs": outputs}
+        chosen = {key: list(names) for key, names in wanted.items() if names is not None}
+        found = of_map(self._ask("linearise", **chosen)["linearisation"])
+        found["shapes"] = {name: BodyShape(**shape) for name, shape in found["shapes"].items()}
+        return Linearisation(**found)
+
     def on_event(self, callback: Callable[[RemoteEvent], None]) -> None:
         """Call a function with each line of the log of the scenario, once a step has passed it."""
         self._callbacks.append(callback)
@@ -329,6 +369,8 @@ class RemoteSimulation:
         told = answer.get("error")
         if not isinstance(told, dict):
             raise ExchangeError("lost", f"{self._name}: an answer to something else")
+        if told.get("kind") == "stopped" and "time" in answer:
+            self._changed(answer)
         raise self._error(told)
 
     def _error(self, told: Mapping[str, Any]) -> Exception:

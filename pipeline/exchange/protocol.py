@@ -23,6 +23,7 @@ __all__ = [
     "HEADER",
     "LARGEST_HELLO",
     "LARGEST_MESSAGE",
+    "LARGEST_QUESTION",
     "MESSAGES",
     "PROTOCOL",
     "Field",
@@ -41,12 +42,14 @@ HEADER = struct.Struct(">I")
 """The length in front of each message."""
 LARGEST_MESSAGE = 2**26
 """Bytes of a message; the state of a scene is the longest one."""
+LARGEST_QUESTION = 2**20
+"""Bytes of a request of an observer, who sends names alone."""
 LARGEST_HELLO = 4096
 """Bytes of the first request, which comes from anyone."""
 
 ERROR_KINDS = {
     "input": "The request is wrong; nothing has changed, and the connection stays.",
-    "stopped": "The simulation has stopped by itself; `key` is how, as `step_too_large`. What was computed is kept.",
+    "stopped": "The simulation has stopped by itself; `key` is how. `time` and `ended` are beside the error.",
     "refused": "The server does not do this for this client, or closes the connection.",
     "internal": "A fault of the program; the run ends, and what was computed is kept.",
 }
@@ -110,6 +113,7 @@ TYPES = {
     "values": "a list of numbers, and of lists of numbers for channels of several",
     "lines": "a list of maps: time, phase, event, what",
     "input list": "a list of maps: name, unit, sentence, interpolation, value, smallest, largest",
+    "record": "a map; in it arrays are maps: shape, complex, data (little-endian float64 by rows)",
     "output list": "a list of maps: name, unit, sentence",
 }
 """Words for the types of fields."""
@@ -167,6 +171,8 @@ MESSAGES = {
                 ),
                 Field("step_size", "number", "time step [s]"),
                 Field("duration", "number", "end of the run [s]"),
+                Field("outcome", "text", "how it stands: `completed` as long as nothing is wrong"),
+                Field("message", "text", "why it has stopped by itself"),
                 _TIME,
                 _ENDED,
             ),
@@ -249,6 +255,22 @@ MESSAGES = {
                 Field("bytes", "bytes", "a state of the same case", needed=False),
             ),
             (_TIME, _ENDED),
+        ),
+        Message(
+            "linearise",
+            False,
+            "Matrices and modes of small motions about the state of now, which stays.",
+            (
+                Field("inputs", "names", "inputs that are driven; all without it", needed=False),
+                Field("outputs", "names", "outputs of C and D; none without it", needed=False),
+            ),
+            (
+                Field(
+                    "linearisation",
+                    "record",
+                    "the fields of `heavylift.solver.linearise.result.Linearisation`",
+                ),
+            ),
         ),
         Message("free", False, "Forgets a state.", (Field("state", "integer", "its handle"),), ()),
         Message(

@@ -21,6 +21,7 @@ from heavylift.pipeline.exchange.protocol import (
     HEADER,
     LARGEST_HELLO,
     LARGEST_MESSAGE,
+    LARGEST_QUESTION,
     FormatError,
     framed,
     msgpack_library,
@@ -41,6 +42,8 @@ PATIENCE_SECONDS = 20.0
 """For the rest of a message that has begun, and for an answer to be taken."""
 FAREWELL_SECONDS = 2.0
 """Until a connection that is over is closed, so that its client can read why."""
+LONG_SECONDS = 0.1
+"""An answer that takes longer counts for none of these times."""
 CLIENTS = 16
 """At once."""
 BACKLOG = 128
@@ -52,6 +55,7 @@ SLOWEST = 2**20
 
 _READ, _WRITE = select.POLLIN, select.POLLOUT
 _NEVER = float("inf")
+_LARGEST = {"": LARGEST_HELLO, "observer": LARGEST_QUESTION, "master": LARGEST_MESSAGE}
 
 
 def _patience(size: int) -> float:
@@ -155,7 +159,7 @@ class _Client:
         self.incoming = bytearray()
         self.outgoing = memoryview(b"")
         self.deadline = _NEVER if channel.trusted else now + HELLO_SECONDS
-        self.leaving = self.gone = False
+        self.leaving = self.gone = self.ready = False
 
     def whole(self) -> int:
         """Bytes of the first message, its length included; 0 while it is not all there.
@@ -169,7 +173,7 @@ class _Client:
         if len(data) < HEADER.size:
             return 0
         length = HEADER.unpack_from(data)[0]
-        largest = LARGEST_MESSAGE if self.seat.role else LARGEST_HELLO
+        largest = _LARGEST[self.seat.role]
         if length > largest:
             raise FormatError(f"a message of {length} bytes, longer than {largest}")
         return HEADER.size + length if len(data) >= HEADER.size + length else 0
@@ -236,7 +240,7 @@ class Server:
         self._clients[channel.reads] = client
         self._clients[channel.writes] = client
         self._poll.register(channel.reads, _READ)
-        if len({*map(id, self._clients.values())}) > CLIENTS:
+        if len({*self._clients.values()}) > CLIENTS:
             self._refuse(client, f"{CLIENTS} clients are connected already")
 
     def run(self) -> str:
@@ -311,12 +315,20 @@ class Server:
         assert self.listener is not None
         while True:
             try:
-                connection, address = self.listener.accept()
-            except OSError:  # nobody more, or there are no descriptors left
+                channel = SocketChannel(*self.listener.accept())
+            except BlockingIOError:
                 return
-            self.add(SocketChannel(connection, address))
+            except ConnectionError:  # it has gone again
+                continue
+            except OSError as error:  # as without descriptors: whoever waits is accepted when there are some
+                self._say(f"serve: a client is not accepted: {error.strerror}")
+                time.sleep(LONG_SECONDS)
+                return
+            self.add(channel)
 
     def _receive(self, client: _Client) -> None:
+        if client.ready:  # what it has sent already comes first
+            return
         try:
             data = client.channel.receive()
         except BlockingIOError:
@@ -333,6 +345,7 @@ class Server:
         """One more message of each client that has sent several at once."""
         ready, self._ready = self._ready, []
         for client in ready:
+            client.ready = False
             if not (client.gone or client.leaving or self._reason()):
                 self._answer_first(client)
 
@@ -347,7 +360,9 @@ class Server:
             with memoryview(client.incoming) as view, view[HEADER.size : size] as content:
                 request = unpacked(self._library, content)
             del client.incoming[:size]
+            begin = time.monotonic()
             answer = self.service.answer(request, client.seat)
+            self._pardon(time.monotonic() - begin)
         except FormatError as error:
             self._refuse(client, str(error))
             return
@@ -358,6 +373,13 @@ class Server:
         if client.seat.closed:
             self._leave(client)
         self._begin_sending(client, framed(packed))
+
+    def _pardon(self, seconds: float) -> None:
+        """Give all clients the time in which nobody listened to them."""
+        if seconds > LONG_SECONDS:
+            self._left += seconds
+            for client in {*self._clients.values()}:
+                client.deadline += seconds
 
     def _begin_sending(self, client: _Client, data: bytes) -> None:
         try:
@@ -397,6 +419,7 @@ class Server:
             return
         client.deadline = _NEVER
         if client.incoming:
+            client.ready = True
             self._ready.append(client)
 
     def _refuse(self, client: _Client, problem: str) -> None:

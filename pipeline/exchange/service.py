@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from heavylift.numerics.outcome import InputError, in_one_line
 from heavylift.pipeline.exchange.protocol import PROTOCOL, FormatError, check_request
+from heavylift.pipeline.exchange.records import as_map
 from heavylift.pipeline.results.storage import StopError
 from heavylift.pipeline.stepping.state import State
 
@@ -26,6 +27,10 @@ __all__ = ["RefusedError", "Seat", "Service", "error_answer"]
 
 LARGEST_COUNT = 1000
 """States that the server keeps for a master."""
+LARGEST_STATES = 2**30
+"""Bytes of them."""
+KNOWN_LISTS, KNOWN_NAMES = 100, 1000
+"""Lists of outputs whose columns are remembered, and names of one: those that are asked for at each step."""
 
 
 class RefusedError(RuntimeError):
@@ -88,6 +93,7 @@ class Service:
             "get": self._get,
             "save": self._save,
             "restore": self._restore,
+            "linearise": self._linearise,
             "free": self._free,
             "close": self._close,
         }
@@ -115,7 +121,8 @@ class Service:
             seat.closed = seat.closed or not seat.role
             return error_answer(number, "refused", str(error))
         except StopError as error:
-            return error_answer(number, "stopped", str(error), error.outcome.name.lower())
+            told = error_answer(number, "stopped", str(error), error.outcome.name.lower())
+            return {**told, "time": self.simulation.time, "ended": self.simulation.ended}
         except Exception as error:  # noqa: BLE001  a client has to hear of it, whatever it is
             self.fault = in_one_line(f"{type(error).__name__}: {error}")
             return error_answer(number, "internal", f"an internal error: {self.fault}")
@@ -165,6 +172,8 @@ class Service:
             "outputs": [asdict(port) for port in simulation.outputs.values()],
             "step_size": simulation.step_size,
             "duration": simulation.duration,
+            "outcome": simulation.outcome.name.lower(),
+            "message": simulation.message,
             "time": simulation.time,
             "ended": simulation.ended,
         }
@@ -209,9 +218,12 @@ class Service:
         if names not in self._columns:
             simulation = self.simulation
             single = all(isinstance(simulation[name], float) for name in names)
-            if len(self._columns) >= LARGEST_COUNT:
+            columns = simulation.columns(names) if single else None
+            if len(names) > KNOWN_NAMES:
+                return columns
+            if len(self._columns) >= KNOWN_LISTS:
                 self._columns.clear()
-            self._columns[names] = simulation.columns(names) if single else None
+            self._columns[names] = columns
         return self._columns[names]
 
     def _values(self, names: Sequence[str], columns: NDArray[np.int64] | None) -> list[Any]:
@@ -235,10 +247,12 @@ class Service:
             return {"bytes": state.to_bytes()}
         if seat is not self.master:
             raise RefusedError("the server keeps no states for observers: ask for bytes")
-        if len(seat.states) >= LARGEST_COUNT:
-            raise RefusedError(f"{LARGEST_COUNT} states are kept already: free some")
+        state = self.simulation.save()
+        size = sum(array.nbytes for array in state.arrays.values())
+        if len(seat.states) >= min(LARGEST_COUNT, max(1, LARGEST_STATES // size)):
+            raise RefusedError(f"{len(seat.states)} states of {size} bytes are kept already: free some")
         handle = next(seat.handles)
-        seat.states[handle] = self.simulation.save()
+        seat.states[handle] = state
         return {"state": handle}
 
     def _restore(self, request: dict[str, Any], seat: Seat) -> dict[str, Any]:
@@ -251,6 +265,11 @@ class Service:
         self.simulation.restore(state)
         self._events.clear()
         return {"time": self.simulation.time, "ended": self.simulation.ended}
+
+    def _linearise(self, request: dict[str, Any], seat: Seat) -> dict[str, Any]:
+        del seat
+        found = self.simulation.linearise(request.get("inputs"), request.get("outputs"))
+        return {"linearisation": as_map(found)}
 
     def _free(self, request: dict[str, Any], seat: Seat) -> dict[str, Any]:
         self._state(request["state"], seat, "free.state")

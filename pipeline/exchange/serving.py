@@ -20,6 +20,7 @@ from heavylift.pipeline.exchange.service import Service, error_answer
 from heavylift.pipeline.log import say_on
 from heavylift.pipeline.results.storage import StopError
 from heavylift.pipeline.stages.advance import stop_requests
+from heavylift.pipeline.stages.lock import locked
 
 if TYPE_CHECKING:
     import socket
@@ -77,13 +78,15 @@ def serve_case(
             source="serve",
             expected="one of them",
         )
+    if pipe and token_file is not None:
+        raise InputError("with '--pipe'", source="--token-file", expected="'--port': a parent needs no token")
     if pipe:
         return _serve_parent(path, out, overrides)
     assert port is not None
     if not 0 <= port <= 65535:
         raise InputError(f"{port}", source="--port", expected="0 to 65535")
-    if not wait >= 0.0:
-        raise InputError(f"{wait}", source="--wait", expected="seconds, or inf")
+    if not wait > 0.0:
+        raise InputError(f"{wait}", source="--wait", expected="more than 0 s, or inf")
     if log.quiet and token_file is None:
         raise InputError(
             "without '--token-file'", source="--quiet", expected="a file for the token that is not printed"
@@ -91,7 +94,7 @@ def serve_case(
     msgpack_library()
     _hear_hangups()
     with _listener(host, port) as listener:
-        simulation = _simulation(path, out, overrides)
+        simulation, reserved = _simulation(path, out, overrides)
         token, number = secrets.token_urlsafe(TOKEN_BYTES), listener.getsockname()[1]
         service = Service(simulation, token)
         with stop_requests() as stop, _written(token_file, f"{host} {number} {token}\n"):
@@ -101,8 +104,8 @@ def serve_case(
             if math.isfinite(wait):
                 log.say(f"serve: waits {wait:g} s for a master")
             reason = server.run()
-    log.say(f"serve: ends at t = {simulation.time:.9g} s: {reason}")
-    return _ending(service, out)
+            log.say(f"serve: ends at t = {simulation.time:.9g} s: {reason}")
+            return _ending(service, out, reserved)
 
 
 def _serve_parent(path: Path, out: Path | None, overrides: Sequence[str]) -> int:
@@ -117,14 +120,20 @@ def _serve_parent(path: Path, out: Path | None, overrides: Sequence[str]) -> int
     writes = os.dup(1)
     os.dup2(2, 1)  # whatever libraries print goes elsewhere
     reads = os.dup(0)
+    parent = _Parent(0)
     with contextlib.closing(PipeChannel(reads, writes)) as channel:
         try:
-            parent = _Parent(0)
-            simulation = _simulation(path, out, overrides)
+            simulation, reserved = _simulation(path, out, overrides)
         except BaseException as error:
-            with contextlib.suppress(OSError):
-                channel.send(framed(library.packb(_start_error(error))))
-            raise
+            parent.serving = True
+            told, outcome = _start_error(error)
+            try:
+                channel.send(framed(library.packb(told)))
+            except OSError:
+                raise error from None
+            if outcome is None:
+                raise
+            return int(outcome)  # the parent knows
         with stop_requests() as stop:
             parent.serving = True
             service = Service(simulation)
@@ -132,7 +141,7 @@ def _serve_parent(path: Path, out: Path | None, overrides: Sequence[str]) -> int
             server = Server(service, wait=math.inf, stop=lambda: stop.signal_name)
             server.add(channel)
             server.run()
-    return _ending(service, out)
+            return _ending(service, out, reserved)
 
 
 class _Parent:
@@ -159,16 +168,23 @@ class _Parent:
             os.kill(os.getpid(), signal.SIGTERM)
 
 
-def _simulation(path: Path, out: Path | None, overrides: Sequence[str]) -> Simulation:
-    """The simulation of a case."""
+def _simulation(
+    path: Path, out: Path | None, overrides: Sequence[str]
+) -> tuple[Simulation, contextlib.ExitStack]:
+    """The simulation of a case, and the lock of the folder of its results, which nobody else may write to meanwhile."""
     from heavylift.pipeline.stepping.simulation import Simulation
 
-    return Simulation(path, out=out, overrides=overrides)
+    simulation = Simulation(path, out=out, overrides=overrides, history=out is not None)
+    reserved = contextlib.ExitStack()
+    if out is not None:
+        reserved.enter_context(locked(out))
+    return simulation, reserved
 
 
-def _ending(service: Service, out: Path | None) -> int:
+def _ending(service: Service, out: Path | None, reserved: contextlib.ExitStack) -> int:
     """Write the results if they are asked for; the exit code."""
     simulation = service.simulation
+    reserved.close()
     if out is not None:
         simulation.write_results(out)
     if service.fault:
@@ -178,16 +194,19 @@ def _ending(service: Service, out: Path | None) -> int:
     return int(Outcome.COMPLETED if service.over else Outcome.INTERRUPTED)
 
 
-def _start_error(error: BaseException) -> dict[str, object]:
-    """What a parent hears if the run cannot begin."""
+def _start_error(error: BaseException) -> tuple[dict[str, object], Outcome | None]:
+    """What a parent hears if the run cannot begin, and how the process ends; None if there is more to say of it."""
     if isinstance(error, InputError):
         key = ": ".join(part for part in (error.source, error.key) if part)
-        return error_answer(None, "input", error.problem.replace("\n", "; "), key, error.expected)
+        problem = error.problem.replace("\n", "; ")
+        return error_answer(None, "input", problem, key, error.expected), Outcome.BAD_INPUT
     if isinstance(error, StopError):
-        return error_answer(None, "stopped", str(error), error.outcome.name.lower())
+        return error_answer(None, "stopped", str(error), error.outcome.name.lower()), error.outcome
+    if isinstance(error, OSError) and error.filename is not None:
+        return error_answer(None, "input", str(error.strerror), str(error.filename)), Outcome.BAD_INPUT
     if isinstance(error, KeyboardInterrupt):
-        return error_answer(None, "refused", "interrupted")
-    return error_answer(None, "internal", in_one_line(f"{type(error).__name__}: {error}"))
+        return error_answer(None, "refused", "interrupted"), None
+    return error_answer(None, "internal", in_one_line(f"{type(error).__name__}: {error}")), None
 
 
 def _hear_hangups() -> None:

@@ -14,11 +14,15 @@ from heavylift.numerics.outcome import InputError
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from heavylift.pipeline.stepping.past import Past
+
 __all__ = ["State"]
 
 HEAD = b"heavylift state 1\n"
 DIGEST = 16
 """Bytes behind the head, of what follows them."""
+DRIVEN = "driven"
+"""Name of the digest of what inputs were set to, beside the arrays."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,6 +33,10 @@ class State:
     ----------
     arrays
         By name, as `heavylift.solver.simulation.Simulation.state` gives them.
+    driven
+        Digest of what inputs were set to up to it; None if that is not known.
+    past
+        What is behind it, in the process that has saved it; not among the bytes.
 
     Examples
     --------
@@ -43,11 +51,25 @@ class State:
     """
 
     arrays: dict[str, NDArray[Any]]
+    driven: bytes | None = None
+    past: Past | None = None
+
+    @property
+    def digest(self) -> bytes:
+        """Of what inputs were set to up to it; if that is not known one that no other state has."""
+        if self.driven is not None:
+            return self.driven
+        found = hashlib.blake2b(digest_size=DIGEST)
+        for name, array in sorted(self.arrays.items()):
+            if name != "cpu_seconds":
+                found.update(name.encode() + array.tobytes())
+        return found.digest()
 
     def to_bytes(self) -> bytes:
         """The state as bytes; in NumPy's format, without pickles."""
         stream = io.BytesIO()
-        np.savez(stream, **self.arrays)  # type: ignore[arg-type]
+        driven = {DRIVEN: np.frombuffer(self.digest, np.uint8)}
+        np.savez(stream, **self.arrays, **driven)  # type: ignore[arg-type]
         data = stream.getvalue()
         return HEAD + _digest(data) + data
 
@@ -70,7 +92,8 @@ class State:
                 expected="what 'State.to_bytes' gives",
             )
         with np.load(io.BytesIO(whole[begin:]), allow_pickle=False) as file:
-            return cls({name: file[name] for name in file.files})
+            arrays = {name: file[name] for name in file.files}
+        return cls(arrays, arrays.pop(DRIVEN).tobytes())
 
 
 def _digest(data: bytes) -> bytes:

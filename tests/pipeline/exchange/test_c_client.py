@@ -120,6 +120,7 @@ def test_a_command_that_is_none_and_a_case_that_is_wrong(session, tmp_path):
     assert "does not exist" in done.stdout
 
 
+@pytest.mark.slow
 def test_a_child_ends_when_its_host_in_c_is_killed(tmp_path):
     source = tmp_path / "host.c"
     source.write_text(

@@ -149,6 +149,7 @@ else:
 """
 
 
+@pytest.mark.slow
 def test_two_clients_in_two_processes(served, driven, tmp_path):
     direct = driven.copy()
     for number in range(20):
@@ -163,6 +164,7 @@ def test_two_clients_in_two_processes(served, driven, tmp_path):
     assert [float(word) for word in said[1]] == [direct.time, 1.9e5]
 
 
+@pytest.mark.slow
 def test_a_state_of_another_scene_is_refused(served, tmp_path):
     other = tmp_path / "other"
     shutil.copytree(CASE, other)

@@ -2,15 +2,26 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 import random
+import socket
+import struct
+import threading
 import time
 
 import pytest
 
 import heavylift as hl
 from heavylift.pipeline.exchange import server as server_module
-from heavylift.pipeline.exchange.protocol import HEADER, LARGEST_HELLO, LARGEST_MESSAGE, framed
+from heavylift.pipeline.exchange import service as service_module
+from heavylift.pipeline.exchange.protocol import (
+    HEADER,
+    LARGEST_HELLO,
+    LARGEST_MESSAGE,
+    LARGEST_QUESTION,
+    framed,
+)
 
 msgpack = pytest.importorskip("msgpack")
 
@@ -183,10 +194,34 @@ def test_malformed_bytes_get_one_error_and_end_the_connection_alone(served):
         assert wire.closed()
     observer = served.wire()
     observer.hello("observer")
-    observer.send(HEADER.pack(LARGEST_MESSAGE + 1))
+    observer.send(HEADER.pack(LARGEST_QUESTION + 1))
     refused(observer.answer(), "refused", "longer")
     assert observer.closed()
     master.step()
+    master._connection.sendall(HEADER.pack(LARGEST_MESSAGE + 1))
+    with pytest.raises(hl.ExchangeError, match="longer"):
+        master.step()
+
+
+def test_states_take_no_more_memory_than_is_said(served, monkeypatch):
+    wire = served.wire()
+    wire.hello()
+    size = sum(array.nbytes for array in served.simulation.save().arrays.values())
+    monkeypatch.setattr(service_module, "LARGEST_STATES", 3 * size + 1)
+    handles = [wire.ask("save")["state"] for _ in range(3)]
+    refused(wire.ask("save"), "refused", "3 states", "free")
+    wire.ask("free", state=handles[0])
+    assert wire.ask("save")["ok"]
+
+
+def test_lists_of_outputs_are_not_remembered_for_ever(served, monkeypatch):
+    monkeypatch.setattr(service_module, "KNOWN_LISTS", 3)
+    monkeypatch.setattr(service_module, "KNOWN_NAMES", 4)
+    wire = served.wire()
+    wire.hello()
+    for count in range(1, 8):
+        assert len(wire.ask("get", outputs=NAMES[:1] * count)["values"]) == count
+    assert 0 < len(served.service._columns) <= 3
 
 
 def test_random_bytes_never_end_the_server(served):
@@ -224,6 +259,58 @@ def test_a_message_that_comes_byte_by_byte_and_two_at_once_are_answered(served):
     times = [wire.answer()["time"] for _ in range(50)]
     assert times == sorted(times)
     assert times[-1] == pytest.approx(0.51, abs=1e-12)
+
+
+def test_many_requests_at_once_with_long_answers_are_answered_in_order(served):
+    wire = served.wire()
+    wire.hello()
+    names = [*served.simulation.outputs] * 100
+    count = 100
+
+    def ask() -> None:
+        for number in range(count):
+            wire.send(framed(msgpack.packb({"id": number, "do": "get", "outputs": names})))
+
+    asking = threading.Thread(target=ask)
+    asking.start()
+    time.sleep(0.2)  # the buffers of both sides are full
+    answers = [wire.answer() for _ in range(count)]
+    asking.join()
+    assert [answer["id"] for answer in answers] == list(range(count))
+    assert all(answer["values"] == answers[0]["values"] for answer in answers)
+
+
+def test_what_is_sent_faster_than_it_is_done_stays_with_who_sends_it(served):
+    wire, peak = served.wire(), []
+    wire.hello()
+    client = next(iter(served.server._clients.values()))
+    request = framed(msgpack.packb({"id": 1, "do": "get", "outputs": []}))
+
+    def ask() -> None:
+        with contextlib.suppress(OSError):  # until the connection is closed
+            for _ in range(200):
+                wire.send(request * 1000)
+
+    asking = threading.Thread(target=ask)
+    asking.start()
+    for _ in range(300):
+        peak.append(len(client.incoming))
+        time.sleep(1e-3)
+    wire.socket.shutdown(socket.SHUT_RDWR)
+    asking.join()
+    assert 0 < max(peak) <= 2 * server_module.PIECE
+
+
+def test_a_long_step_costs_nobody_his_time(served, hoist, monkeypatch):
+    monkeypatch.setattr(server_module, "HELLO_SECONDS", 0.4)
+    master, late = served.client(), served.wire()
+    step = type(hoist).step
+    monkeypatch.setattr(type(hoist), "step", lambda *given: (time.sleep(1.0), step(*given))[1])
+    stepping = threading.Thread(target=master.step)
+    stepping.start()
+    time.sleep(0.2)
+    assert late.hello("observer")["ok"]  # it was said in time
+    stepping.join()
 
 
 def test_clients_that_say_nothing_or_not_all_are_left(served, monkeypatch):
@@ -294,6 +381,28 @@ def test_a_master_that_vanishes_leaves_the_run_to_another_one(serve):
     assert third.time == pytest.approx(0.6, abs=1e-12)
 
 
+@pytest.mark.parametrize("cut", [0, 3])
+def test_a_master_that_vanishes_within_a_message(served, hoist, cut):
+    """A whole message is done, with nobody to answer; a part of one is none."""
+    wire = served.wire()
+    wire.hello()
+    request = framed(msgpack.packb({"id": 2, "do": "step", "dt": 2.0}))
+    wire.send(request[: len(request) - cut])
+    wire.socket.setsockopt(
+        socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0)
+    )  # a reset, no farewell
+    wire.close()
+    observer = served.client("observer")
+    deadline = time.monotonic() + 20.0
+    while served.service.master is not None and time.monotonic() < deadline:
+        observer.get(NAMES)
+    assert served.service.master is None
+    if cut:
+        assert hoist.time == 0.0
+    assert hoist.time in (0.0, 2.0)  # the reset may overtake the message
+    served.client().step(0.1)
+
+
 def test_without_a_master_the_run_ends_after_a_while(serve):
     served = serve(wait=0.3)
     observer = served.client("observer")
@@ -335,3 +444,38 @@ def test_a_client_whose_server_is_gone_says_so(served):
         remote.step()
     with pytest.raises(hl.ExchangeError, match=str(served.port)):
         hl.connect("127.0.0.1", served.port, "x")
+
+
+@pytest.mark.parametrize(
+    ("answer", "words"),
+    [
+        (b"HTTP/1.1 400 Bad Request\r\n\r\n", "not a server of heavylift"),
+        (framed(b"\x90"), "not a server of heavylift"),
+        (framed(b"\xc1"), "not a server of heavylift"),
+        (framed(msgpack.packb({"id": 1, "ok": False})), "an answer to something else"),
+        (framed(msgpack.packb({"id": 5, "ok": True})), "an answer to something else"),
+        (framed(msgpack.packb({"id": 1, "ok": True}))[:-1], "has closed the connection"),
+        (b"", "has closed the connection"),
+        (None, r"no answer within 0\.2 s"),
+    ],
+)
+def test_a_server_of_something_else(answer, words):
+    with socket.create_server(("127.0.0.1", 0)) as listener:
+
+        def serve() -> None:
+            connection, _ = listener.accept()
+            with connection:
+                if answer is not None:
+                    connection.recv(1000)
+                    connection.sendall(answer)
+                else:
+                    connection.recv(1000)
+                    connection.recv(1000)  # until the client gives up
+
+        thread = threading.Thread(target=serve)
+        thread.start()
+        with pytest.raises(hl.ExchangeError, match=words):
+            hl.connect(
+                "127.0.0.1", listener.getsockname()[1], "x", timeout=5.0 if answer is not None else 0.2
+            )
+        thread.join()
