@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import html
+import os
 import shutil
 import tempfile
 import weakref
@@ -268,8 +269,14 @@ def run_model(
     except BaseException:
         shutil.rmtree(folder, ignore_errors=True)
         raise
-    weakref.finalize(run, shutil.rmtree, folder, ignore_errors=True)
+    weakref.finalize(run, _remove, folder, os.getpid())
     return run
+
+
+def _remove(folder: Path, process: int) -> None:
+    """Remove the folder of a run that is gone; a copy in a process that was forked goes without it."""
+    if os.getpid() == process:
+        shutil.rmtree(folder, ignore_errors=True)
 
 
 def _run_in(
