@@ -11,6 +11,7 @@ from __future__ import annotations
 import contextlib
 import copy
 import inspect
+import re
 import sys
 from functools import cache
 from pathlib import Path
@@ -368,7 +369,10 @@ def class_of_row(table: str, row: Mapping[str, Any]) -> type[Component]:
 
 def component_class(name: str) -> type[Component] | None:
     """The class with a name; None if there is none."""
-    return next((classes_of(table)[name] for table in TABLES_OF_CASE if name in classes_of(table)), None)
+    word = re.sub(r"(?<=[a-z])(?=[A-Z])", "_", name).lower()
+    # most are in the table of their name, and the sections of others need not be made
+    tables = sorted(TABLES_OF_CASE, key=lambda key: not key.startswith(word))
+    return next((classes_of(table)[name] for table in tables if name in classes_of(table)), None)
 
 
 @cache
