@@ -7,13 +7,11 @@ import shutil
 import tempfile
 import time as clock
 import weakref
-from bisect import bisect_left
 from difflib import get_close_matches
 from numbers import Real
-from operator import itemgetter
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -25,10 +23,10 @@ from heavylift.pipeline.results.storage import OutputFolder, StopError
 from heavylift.pipeline.stages.advance import FIRST_PIECE, next_piece
 from heavylift.pipeline.stages.prepared import compile_parts, new_simulation, prepare_run
 from heavylift.pipeline.stages.stages import load_changed_case, make_parts
-from heavylift.pipeline.stepping.state import State
+from heavylift.pipeline.stepping.state import InputChange, Past, State
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping, Sequence
+    from collections.abc import Callable, Mapping, Sequence
 
     from numpy.typing import NDArray
 
@@ -97,19 +95,6 @@ class _Scratch:
         weakref.finalize(self, shutil.rmtree, self.path, ignore_errors=True)
 
 
-class InputChange(NamedTuple):
-    """A row of the log of inputs.
-
-    From a time [s] on an input has a value that changes at a rate, until a time [s].
-    """
-
-    time: float
-    name: str
-    value: float
-    rate: float
-    until: float
-
-
 class Simulation:
     """A case that is advanced step by step.
 
@@ -129,8 +114,6 @@ class Simulation:
         What is simulated.
     row
         All outputs now, SI, in the order of the columns of a record.
-    input_log
-        Changes of inputs since the start, for `replay`.
     stop_asked
         Asked several times a second while it steps: whether to stop there, as a signal may want.
 
@@ -169,7 +152,7 @@ class Simulation:
         run = prepare_run(self.case, self._folder, Log(quiet=True))
         self._scene, self._meshes = run.scene, run.meshes
         self._begin(run.simulation)
-        self._history.append((0, np.zeros(1), self.row[np.newaxis]))
+        self._past = Past("").with_records(np.zeros(1), self.row[np.newaxis])
 
     def _begin(self, solver: Solver) -> None:
         """Take a simulation that has not started."""
@@ -180,8 +163,7 @@ class Simulation:
         self._columns = _columns_of(solver)
         self._callbacks: list[Callable[[LogLine], None]] = []
         self._told = 0
-        self._history: list[tuple[int, NDArray[np.float64], NDArray[np.float64]]] = []
-        self.input_log: list[InputChange] = []
+        self._past = Past("")
         self.stop_asked: Callable[[], object] = bool
         self.row: NDArray[np.float64] = solver.record()
 
@@ -316,6 +298,11 @@ class Simulation:
         """
         return [self[name] for name in outputs]
 
+    @property
+    def input_log(self) -> list[InputChange]:
+        """Changes of inputs that led to the state now, for `replay`: since the start, or a state of another process."""
+        return self._past.all_changes
+
     def set(self, name: str, value: float, *, rate: float = 0.0, until: float = math.inf) -> None:
         """Drive an input from now on.
 
@@ -342,7 +329,7 @@ class Simulation:
                 expected="values before its end",
             )
         solver.set_input(name, value, rate, until)
-        self.input_log.append(InputChange(solver.time, name, float(value), float(rate), float(until)))
+        self._note(name, value, rate, until)
 
     def step(
         self,
@@ -391,7 +378,7 @@ class Simulation:
             times, rows = solver.advance(min(piece, last - solver.step_index))
             index = solver.step_index
             if len(rows):
-                self._history.append((index, times, rows))
+                self._past = self._past.with_records(times, rows)
             if index >= last or solver.ended or solver.outcome is not Outcome.COMPLETED or self.stop_asked():
                 break
             piece = next_piece(piece, clock.monotonic() - begin)
@@ -443,14 +430,17 @@ class Simulation:
             else:
                 wanted.append((name, value, 0.0, math.inf))
         solver.set_inputs(wanted)
-        self.input_log += [
-            InputChange(solver.time, name, float(value), float(rate), float(until))
-            for name, value, rate, until in wanted
-        ]
+        for change in wanted:
+            self._note(*change)
+
+    def _note(self, name: str, value: float, rate: float, until: float) -> None:
+        """Keep what an input was set to."""
+        change = InputChange(self._solver.time, name, float(value), float(rate), float(until))
+        self._past = self._past.with_change(change)
 
     def save(self) -> State:
         """The state now, inputs included."""
-        return State(self._solver.state())
+        return State(self._solver.state(), self._past)
 
     def restore(self, state: State) -> None:
         """Go on from a state of this simulation, of a copy, or of another process with the same case.
@@ -461,24 +451,13 @@ class Simulation:
             If the state belongs to another scene.
         """
         self._solver.restore(state.arrays)
-        index, time = self._solver.step_index, self.time
-        while self._history and self._history[-1][0] > index:
-            _, times, rows = self._history.pop()
-            kept = int(np.searchsorted(times, time + WHOLE * self.step_size))
-            if kept:
-                self._history.append((index, times[:kept], rows[:kept]))
-        self._cut_log(time)
         self.row = self._solver.record()
+        if state.past is None:  # histories begin with it
+            self._past = Past(state.digest).with_records(np.array([self.time]), self.row[np.newaxis])
+        else:
+            self._past = state.past
         if self._callbacks:
             self._told = self._logged
-
-    def _cut_log(self, time: float) -> None:
-        """Forget what was set behind a state: later, or at its time if that is not what acts there."""
-        log, ports = self.input_log, self._solver.inputs
-        first = bisect_left(log, time - 0.5 * self.step_size, key=itemgetter(0))
-        now = [row for row in log[first:] if row.time == time and ports.value(row.name) == row[2:4]]
-        del log[first:]
-        log += now
 
     def copy(self) -> Simulation:
         """Another simulation in the same state, with the same history, which goes its own way."""
@@ -487,7 +466,7 @@ class Simulation:
         other._scene, other._meshes = self._scene, self._meshes
         other._begin(new_simulation(self.case, self._folder, self._scene))
         other._solver.restore(self._solver.state())
-        other._history, other.input_log = list(self._history), list(self.input_log)
+        other._past = self._past
         other.row = self.row.copy()
         return other
 
@@ -542,10 +521,6 @@ class Simulation:
             for callback in self._callbacks:
                 callback(line)
 
-    def _records(self) -> Iterator[tuple[NDArray[np.float64], NDArray[np.float64]]]:
-        for _, times, rows in self._history:
-            yield times, rows
-
     def linearise(
         self, inputs: Sequence[str] | None = None, outputs: Sequence[str] | None = None
     ) -> Linearisation:
@@ -570,7 +545,7 @@ class Simulation:
         """Histories so far, as `heavylift.load_results` gives them."""
         from heavylift.pipeline.results.histories import ChannelInfo, Results
 
-        times, rows = (np.concatenate(part) for part in zip(*self._records(), strict=True))
+        times, rows = (np.concatenate(part) for part in zip(*self._past.all_records, strict=True))
         channels = {
             c.name: ChannelInfo(c.name, c.unit, tuple(c.components), c.column) for c in self._solver.channels
         }
@@ -603,12 +578,13 @@ class Simulation:
 
         solver, work = self._solver, Work(self.case, OutputFolder(Path(folder)), Log(quiet=True))
         digest = simulate_digest(self.case)
-        if self.input_log:
-            digest = digest_json([digest, [list(map(str, row)) for row in self.input_log]])
+        changes = [list(map(str, change)) for change in self.input_log]
+        if self._past.origin or changes:
+            digest = digest_json([digest, self._past.origin, changes])
         with locked(work.folder.root):
             remove_segments(work.folder.segments)
             advancer = Advancer(solver, work.folder.segments, digest, solver.step_index)
-            for times, rows in self._records():
+            for times, rows in self._past.all_records:
                 advancer.keep(times, rows)
             advancer.write()
             save_meshes(work.folder.meshes, self._meshes)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import io
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -14,11 +14,69 @@ from heavylift.numerics.outcome import InputError
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-__all__ = ["State"]
+__all__ = ["InputChange", "Past", "State"]
 
 HEAD = b"heavylift state 1\n"
 DIGEST = 16
 """Bytes behind the head, of what follows them."""
+
+
+class InputChange(NamedTuple):
+    """A row of the log of inputs.
+
+    From a time [s] on an input has a value that changes at a rate, until a time [s].
+    """
+
+    time: float
+    name: str
+    value: float
+    rate: float
+    until: float
+
+
+class Past(NamedTuple):
+    """What led to a state: chains that many states share, whose last parts are the newest ones.
+
+    Attributes
+    ----------
+    origin
+        Digest of the state of another process with which it began; empty for the start of the case.
+    records
+        A chain of times, shape (rows,), and records, shape (rows, columns): what was before, and the last part.
+    changes
+        A chain of changes of inputs.
+    """
+
+    origin: str
+    records: tuple[Any, tuple[NDArray[np.float64], NDArray[np.float64]]] | None = None
+    changes: tuple[Any, InputChange] | None = None
+
+    def with_records(self, times: NDArray[np.float64], rows: NDArray[np.float64]) -> Past:
+        """The same, and records that follow."""
+        return self._replace(records=(self.records, (times, rows)))
+
+    def with_change(self, change: InputChange) -> Past:
+        """The same, and a change that follows."""
+        return self._replace(changes=(self.changes, change))
+
+    @property
+    def all_records(self) -> list[tuple[NDArray[np.float64], NDArray[np.float64]]]:
+        """Parts of times and records, the oldest first."""
+        return _listed(self.records)
+
+    @property
+    def all_changes(self) -> list[InputChange]:
+        """Changes of inputs, the oldest first."""
+        return _listed(self.changes)
+
+
+def _listed(chain: Any) -> list[Any]:
+    """Parts of a chain, the oldest first."""
+    parts = []
+    while chain is not None:
+        chain, part = chain
+        parts.append(part)
+    return parts[::-1]
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,6 +87,8 @@ class State:
     ----------
     arrays
         By name, as `heavylift.solver.simulation.Simulation.state` gives them.
+    past
+        How it came about; None of a state from bytes, of which nobody here knows it.
 
     Examples
     --------
@@ -43,6 +103,15 @@ class State:
     """
 
     arrays: dict[str, NDArray[Any]]
+    past: Past | None = None
+
+    @property
+    def digest(self) -> str:
+        """Digest of all that a continuation depends on."""
+        found = hashlib.blake2b(digest_size=DIGEST)
+        for name in sorted(self.arrays.keys() - {"cpu_seconds"}):
+            found.update(name.encode() + self.arrays[name].tobytes())
+        return found.hexdigest()
 
     def to_bytes(self) -> bytes:
         """The state as bytes; in NumPy's format, without pickles."""

@@ -67,7 +67,7 @@ def test_a_log_is_replayed_with_the_same_bits(sim, tmp_path):
 def test_what_was_set_behind_a_state_is_forgotten_with_it(sim):
     sim.step(0.5, {"push": 1.0})
     sim.set("ramp", 0.0, rate=1.0, until=1.0)
-    state = hl.State.from_bytes(sim.save().to_bytes())
+    state = sim.save()
     count = len(sim.input_log)
     sim.set("push", 7.0)
     sim.step(0.5)
@@ -77,7 +77,7 @@ def test_what_was_set_behind_a_state_is_forgotten_with_it(sim):
     sim.step(0.5)
     copy = sim.copy()
     other = hl.Simulation(sim.case)
-    other.restore(state)
+    other.restore(hl.State.from_bytes(state.to_bytes()))
     other.step(0.5)
     assert np.array_equal(other.row, sim.row)
     for one in (sim, copy, other):
@@ -127,3 +127,43 @@ def test_results_tell_what_drove_them(sim, tmp_path):
     assert load_results(case, tmp_path / "out")["push.value"].max() == 4.0
     assert not run_case(case, out=tmp_path / "out", stages=("simulate",)).stages[0].skipped
     assert load_results(case, tmp_path / "out")["push.value"].max() == 0.0
+
+
+def test_histories_are_those_of_what_led_to_the_state(sim):
+    """Also of a state on a branch that was left, and of one that comes from elsewhere."""
+    sim.step(0.5, {"push": 1.0})
+    fork = sim.save()
+    sim.step(0.5, {"push": 2.0})
+    left, row = sim.save(), sim.row.copy()
+    sim.restore(fork)
+    sim.step(1.0, {"push": -3.0})
+    assert sim.results()["push.value"][-1] == -3.0
+    sim.restore(left)
+    assert np.array_equal(sim.row, row)
+    results = sim.results()
+    assert results.time == pytest.approx(np.arange(21) * 0.05)
+    assert [change.value for change in sim.input_log] == [1.0, 2.0]
+    held = np.where(
+        results.time < 0.5 - 1e-9, 1.0, 2.0
+    )  # the record at 0.5 s was made before it was set again
+    assert results["push.value"][1:11] == pytest.approx(1.0)
+    assert results["push.value"][11:] == pytest.approx(held[11:])
+    sim.restore(hl.State.from_bytes(left.to_bytes()))
+    sim.step(0.5)
+    assert sim.results().time == pytest.approx(1.0 + np.arange(11) * 0.05)
+    assert sim.input_log == []
+
+
+def test_results_that_begin_elsewhere_are_none_of_the_whole_run(sim, tmp_path):
+    """Nothing was set, but what came before is not here: simulate makes the run anew."""
+    there = hl.Simulation(sim.case)
+    there.step(2.0)
+    sim.restore(hl.State.from_bytes(there.save().to_bytes()))
+    sim.step(2.0)
+    report = sim.write_results(tmp_path / "out")
+    assert report.outcome is hl.Outcome.COMPLETED
+    kept = load_results(load_case(tmp_path), tmp_path / "out")
+    assert (kept.time[0], kept.time[-1]) == pytest.approx((2.0, 4.0))
+    again = run_case(load_case(tmp_path), out=tmp_path / "out", stages=("simulate",))
+    assert not again.stages[-1].skipped
+    assert load_results(load_case(tmp_path), tmp_path / "out").time[0] == 0.0
