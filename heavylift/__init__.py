@@ -37,6 +37,8 @@ _HOMES = {
 def __getattr__(name: str) -> Any:
     if name in _HOMES:
         return getattr(import_module(f"{__name__}.{_HOMES[name]}"), name)
+    if name == "__all__":
+        return sorted({*_HOMES, *import_module("heavylift.pipeline.model.components").component_names()})
     if name[:1].isupper():
         found = import_module("heavylift.pipeline.model.components").component_class(name)
         if found is not None:
@@ -45,5 +47,4 @@ def __getattr__(name: str) -> Any:
 
 
 def __dir__() -> list[str]:
-    components = import_module("heavylift.pipeline.model.components").component_names()
-    return sorted({*globals(), *_HOMES, *components})
+    return sorted({*globals(), *__getattr__("__all__")})

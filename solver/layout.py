@@ -333,5 +333,8 @@ def scene_corners(scene: Scene) -> NDArray[np.float64]:
             times += list(profile.times)
         else:
             times += [profile.times[0], profile.times[-1]]
-    # an input that stops changing is a corner too: one place each, behind all others until it is used
-    return np.append(np.unique([time for time in times if time > 0.0]), np.full(len(scene.inputs), np.inf))
+    # where an input stops to change, or cannot drive what it drives any more, is a corner too: two places each, behind
+    # all others until they are used
+    return np.append(
+        np.unique([time for time in times if time > 0.0]), np.full(2 * len(scene.inputs), np.inf)
+    )

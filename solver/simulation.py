@@ -924,7 +924,7 @@ class Simulation:
         )
 
     def _digest(self) -> NDArray[np.uint8]:
-        """Digest of what the bodies were packed into: equal shapes do not make equal bodies.
+        """Digest of what the bodies were packed into, and of names of inputs: equal shapes do not make equal bodies.
 
         Forces may change, but not the loads that belong to a frame or shell.
         """
@@ -933,6 +933,8 @@ class Simulation:
             for value in kind:
                 if isinstance(value, np.ndarray | np.void):  # of numbers or records, or one record
                     digest.update(value.tobytes())
+        for one in self._scene.inputs:  # whose settings are carried by number
+            digest.update(f"{type(one).__name__} {one.name};".encode())
         return np.frombuffer(digest.digest(), dtype=np.uint8)
 
     @property

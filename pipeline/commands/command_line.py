@@ -51,7 +51,8 @@ Set = Annotated[
     tuple[str, ...],
     Parameter(
         name="--set",
-        help='Change one key of the case, e.g. simulate.step="0.1 us"; simulate.step= removes it; may be repeated.',
+        help='Change one key of the case, e.g. simulate.step="0.1 us" or ropes.hoist.length="12 m" (of a list by name '
+        "or index); simulate.step= removes it; may be repeated.",
         show_default=False,
         negative="",
     ),

@@ -83,6 +83,8 @@ def eigen_command(
     folder = OutputFolder(case.output_folder if out is None else out)
     make_parts(case, folder)
     simulation = prepare_run(case, folder, log).simulation
+    if case.fmus:
+        log.say("eigen: NOTE: what FMUs write stays as it is: these are the motions without their answers")
     with in_case(case):
         check_served(simulation)
     compile_parts(simulation, log)

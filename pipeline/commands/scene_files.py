@@ -28,11 +28,9 @@ def draw_case(path: Path, *, out: Path | None, overrides: Sequence[str], log: Lo
     StopError
         If a stage stops by itself.
     """
-    from heavylift.pipeline.assemble.scene import assemble_scene
-    from heavylift.pipeline.case.places import in_case
-    from heavylift.pipeline.drawn.build import case_scene
     from heavylift.pipeline.page.packing import LibraryMissingError
-    from heavylift.pipeline.page.page import page_content, page_html
+    from heavylift.pipeline.page.page import page_html
+    from heavylift.pipeline.report.interactive import start_content
     from heavylift.pipeline.stages.stages import load_changed_case, run_case
 
     case = load_changed_case(path, overrides)
@@ -41,12 +39,8 @@ def draw_case(path: Path, *, out: Path | None, overrides: Sequence[str], log: Lo
     result = run_case(case, out=out, stages=("mesh", "modes"), log=log)
     if result.outcome is not Outcome.COMPLETED:
         raise StopError(result.outcome, result.message)
-    with in_case(case):
-        scene = assemble_scene(case, result.folder)
-        drawn = case_scene(case, result.folder, scene, None, marked=True)
-    content = page_content(case, drawn, None, verdict=("The scene before its run", None), labelled=True)
     try:
-        text = page_html(content)
+        text = page_html(start_content(case, result.folder))
     except LibraryMissingError as error:
         raise InputError(str(error), source="draw", expected="the package k3d") from None
     file = result.folder.stage("draw") / "scene.html"

@@ -47,7 +47,7 @@ class CoupledReport:
     exchanges, repetitions
         Intervals, and how often one was repeated in the mean.
     stability
-        Of the exchange at the start.
+        Of the exchange at the start; None if a scene stopped while it was looked at.
     folders
         Results of each scene.
     cpu_s
@@ -59,7 +59,7 @@ class CoupledReport:
     time: float
     exchanges: int
     repetitions: float
-    stability: ExchangeStability
+    stability: ExchangeStability | None
     folders: Mapping[str, Path]
     cpu_s: Mapping[str, float]
 
@@ -105,7 +105,7 @@ class CoupledScenes:
             self._check_steps()
             self._place_links()
             exchange = coupling.exchange
-            self.stability = self._stability(self.interval)
+            self.stability: ExchangeStability | None = self._stability(self.interval)
             self._refuse_unstable()
             self.master = Master(self.systems, self.links, exchange.method, tolerance=exchange.tolerance)
         except BaseException:
@@ -164,6 +164,12 @@ class CoupledScenes:
                     f"links.{index}.input",
                     "two ends of one quantity, or a 'factor' between them",
                 )
+            if inputs[name].unit in {"m/s", "rad/s"} and inputs[name].interpolation == "held":
+                raise self._error(
+                    f"the speed {link.input!r} jumps at exchanges, and nobody feels what that takes",
+                    f"links.{index}.input",
+                    f'interpolation = "linear" of the input {name!r}',
+                )
             offset = 0.0 if link.offset == "start" else float(link.offset)
             found.append(Link(source, output, target, name, link.factor, offset))
         return found
@@ -206,15 +212,22 @@ class CoupledScenes:
                 start = self.scenes[link.target].inputs[link.input].value
                 self.links[index] = link._replace(offset=start - link.factor * value)
 
-    def _stability(self, interval: float) -> ExchangeStability:
+    def _stability(self, interval: float) -> ExchangeStability | None:
+        """Of the exchange at the start; None if a scene stops while it is looked at."""
+        saved = {name: system.save() for name, system in self.systems.items()}
         count = max(8, min(60, int((self.duration + WHOLE * interval) / interval)))
-        return exchange_stability(
-            self.systems, self.links, self.coupling.exchange.method, 0.0, interval, count=count
-        )
+        try:
+            return exchange_stability(
+                self.systems, self.links, self.coupling.exchange.method, 0.0, interval, count=count
+            )
+        except StopError:
+            for name, system in self.systems.items():
+                system.restore(saved[name])
+            return None
 
     def _refuse_unstable(self) -> None:
         """Say what would be stable: a shorter interval, or another method."""
-        if self.stability.stable:
+        if self.stability is None or self.stability.stable:
             return
         steps = max(scene.step_size for scene in self.scenes.values())
         found = ""
@@ -222,7 +235,8 @@ class CoupledScenes:
             count = round(self.interval / 2**halving / steps)
             if count < 1:
                 break
-            if self._stability(count * steps).stable:
+            shorter = self._stability(count * steps)
+            if shorter is not None and shorter.stable:
                 found = f"at most {count * steps:g} s"
                 break
         others = (
@@ -255,7 +269,9 @@ def run_coupled(coupling: Coupling, out: Path, log: Log) -> CoupledReport:
         If a scene is wrong, what is linked does not fit together, or the exchange is not stable.
     """
     with CoupledScenes(coupling, out) as coupled:
-        log.say(f"couple: {coupling.exchange.method}: {coupled.stability.text}")
+        told = coupled.stability
+        words = "stability is not known: a scene stops while it is looked at" if told is None else told.text
+        log.say(f"couple: {coupling.exchange.method}: {words}")
         master, interval = coupled.master, coupled.interval
         count = round(coupled.duration / interval)
         outcome, message, done = Outcome.COMPLETED, "", 0
@@ -309,8 +325,8 @@ def coupled_document(coupling: Coupling, report: CoupledReport) -> dict[str, Any
         "time": report.time,
         "exchanges": report.exchanges,
         "passes_each": report.repetitions,
-        "growth": stability.growth if math.isfinite(stability.growth) else None,
-        "loop_gain": stability.gain,
+        "growth": stability.growth if stability is not None and math.isfinite(stability.growth) else None,
+        "loop_gain": None if stability is None else stability.gain,
         "scenes": {name: str(folder) for name, folder in report.folders.items()},
     }
 

@@ -12,11 +12,12 @@ interval, as a mass that hangs on a force that comes too late, grows within a fe
 themselves in longer times, as a pendulum that is upside down, is seen as well and has the same rate in seconds with any
 interval.
 
-The *loop gain* is the spectral radius of ``R_1 / H`` of all systems together: how much of what one is told of the
-end of an interval comes back to it. Repeated exchanges without more (`Master`) converge if it is less than one, as
-fast as its powers fall. For a joint that gives positions to one side, and reactions to the other, it is about the
-mass of the first over that of the second, whatever the interval is (C. Gomes et al., "Co-simulation: a survey", ACM
-Computing Surveys 51, 2018, section 4.3).
+The *loop gain* is the square of the spectral radius of ``R_1 / H`` of all systems together: how much of what one is
+told of the end of an interval comes back to it from the others. Repetitions that put in what has come out would
+converge if it is less than one; `Master` measures the loop, and needs no such thing. For a joint that gives speeds
+to one side, and reactions to the other, it is half the mass of the first over that of the second, whatever the
+interval is, and without repetition deviations grow by the ratio of the masses (C. Gomes et al., "Co-simulation: a
+survey", ACM Computing Surveys 51, 2018, section 4.3).
 """
 
 from __future__ import annotations
@@ -195,7 +196,7 @@ def exchange_stability(
         The systems are in the state in which they were.
     """
     answers = _answers(systems, links, time, dt, count, sizes)
-    gain = float(np.abs(np.linalg.eigvals(answers.rates[0] / dt)).max(initial=0.0))
+    gain = float(np.abs(np.linalg.eigvals(answers.rates[0] / dt)).max(initial=0.0)) ** 2
     order = list(systems)
     ends = [(order.index(link.source), order.index(link.target)) for link in links]
     seen = [_deviations(answers, method, dt, start, ends) for start in np.eye(len(links))]

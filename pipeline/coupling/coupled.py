@@ -114,7 +114,7 @@ class _Scene:
             else:
                 settings.append((name, value, rate, until if rate else math.inf))
         if settings:
-            simulation.set_inputs(settings)
+            simulation.put_inputs(settings)
 
     def outputs(self) -> Mapping[str, float]:
         """What the record of the present state shows."""
@@ -174,6 +174,7 @@ class CoupledSimulation(Simulation):
         super().__init__(scene, step, integrator, **options)
         self.processes: dict[str, FmuProcess] = {}
         self.exchanges = 0
+        self._driven = {entry: section.name for section, _ in fmus for entry in section.writes.values()}
         self._begun = self._failed = False
         columns = output_columns(self)
         links: dict[str, list[Link]] = {}
@@ -246,6 +247,28 @@ class CoupledSimulation(Simulation):
             return unit_factor(file.variables[variable], unit)
         except InputError as error:
             raise InputError(error.problem, source=name, key=key, expected=error.expected) from None
+
+    def set_inputs(self, settings: Sequence[tuple[str, float, float, float]]) -> None:
+        """Set inputs that no FMU writes; see `heavylift.solver.simulation.Simulation`.
+
+        Raises
+        ------
+        InputError
+            As there, and for an input that an FMU writes.
+        """
+        for name, *_ in settings:
+            if name in self._driven:
+                raise InputError(
+                    f"{name!r} is written by FMU {self._driven[name]!r}",
+                    source="inputs",
+                    key=name,
+                    expected="an input that no FMU writes",
+                )
+        self.put_inputs(settings)
+
+    def put_inputs(self, settings: Sequence[tuple[str, float, float, float]]) -> None:
+        """Set inputs for the FMUs."""
+        super().set_inputs(settings)
 
     @property
     def not_kept(self) -> str:

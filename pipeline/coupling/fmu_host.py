@@ -12,6 +12,7 @@ import contextlib
 import ctypes
 import json
 import os
+import shutil
 import sys
 import threading
 from multiprocessing.connection import Connection
@@ -192,12 +193,16 @@ def serve(pipe: Connection) -> None:
 
 
 def main() -> None:
-    """Serve the pipe whose number is the first argument; the second one tells by its end that nobody asks any more."""
-    pipe, life = Connection(int(sys.argv[1])), int(sys.argv[2])
+    """Serve the pipe whose number is the first argument; the second one tells by its end that nobody asks any more.
+
+    The third argument is the folder of the FMU, which is removed then.
+    """
+    pipe, life, folder = Connection(int(sys.argv[1])), int(sys.argv[2]), sys.argv[3]
 
     def watch() -> None:
         with contextlib.suppress(OSError):
             os.read(life, 1)
+        shutil.rmtree(folder, ignore_errors=True)  # nobody else may be there to do it
         os._exit(0)
 
     threading.Thread(target=watch, daemon=True).start()

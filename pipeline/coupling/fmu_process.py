@@ -32,6 +32,8 @@ KEPT_LINES = 20
 """Of what an FMU has logged, the last ones."""
 PATIENCE = 5.0
 """Time [s] that an FMU has to end by itself."""
+LOADING = 60.0
+"""Time [s] that its process has to begin, at least."""
 LOUDEST = 20_000
 """Bytes of what an FMU has printed that are looked at."""
 
@@ -178,6 +180,8 @@ class FmuProcess:
         if not self._close.alive:
             self._fail("its process has ended", when)
         seconds = self.timeout if patience is None else patience
+        if do == "load":
+            seconds = max(seconds, LOADING)  # most of it is not the FMU's
         verb = {"load": "be loaded", "start": "start", "step": "make a step"}.get(do, do)
         try:
             self._pipe.send_bytes(json.dumps({"do": do, **given}).encode())
@@ -243,7 +247,7 @@ def _begin(folder: Path) -> tuple[Connection, int, subprocess.Popen[bytes], Bina
     numbers = (theirs.fileno(), life)
     try:
         process = subprocess.Popen(  # noqa: S603
-            python_command("-m", "heavylift.pipeline.coupling.fmu_host", *map(str, numbers)),
+            python_command("-m", "heavylift.pipeline.coupling.fmu_host", *map(str, numbers), str(folder)),
             stdin=subprocess.DEVNULL,
             stdout=printed,
             stderr=subprocess.STDOUT,

@@ -23,6 +23,8 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Protocol
 
+import numpy as np
+
 from heavylift.numerics.outcome import Outcome
 from heavylift.pipeline.results.storage import StopError
 
@@ -38,6 +40,14 @@ TOLERANCE = 1e-9
 """Of an iterated exchange, relative to the largest value that a link has had."""
 MOST_ITERATIONS = 60
 """Of one interval."""
+SLOW = 0.05
+"""Of the misfit before, from which on a repetition brings too little: then it is measured again how ends depend."""
+MOST_MEASURED = 4
+"""Times in one interval."""
+SINGULAR = 1e-9
+"""Of the largest singular value, below which a loop of links has no solution."""
+PULSE = 1e-5
+"""Of the largest value of a link, by which it is changed for that."""
 
 
 class System(Protocol):
@@ -160,17 +170,20 @@ class Master:
         self._tolerance, self._most = tolerance, most
         self._largest = [0.0] * len(self.links)
         self._rates = [0.0] * len(self.links)
+        self._chord: list[list[float]] = []
         self.iterations = 0
 
     @property
     def memory(self) -> list[float]:
-        """What the master itself carries from interval to interval: largest values of the links, and their rates."""
-        return [*self._largest, *self._rates]
+        """What the master carries from interval to interval: largest values of links, their rates, and its chord."""
+        return [*self._largest, *self._rates, *(number for row in self._chord for number in row)]
 
     @memory.setter
     def memory(self, numbers: Sequence[float]) -> None:
         count = len(self.links)
-        self._largest, self._rates = list(numbers[:count]), list(numbers[count:])
+        self._largest, self._rates = list(numbers[:count]), list(numbers[count : 2 * count])
+        rest = list(numbers[2 * count :])
+        self._chord = [rest[i : i + count] for i in range(0, len(rest), count)]
 
     def step(self, time: float, dt: float) -> None:
         """Advance all systems by an interval.
@@ -212,25 +225,28 @@ class Master:
     def _iterate(self, time: float, dt: float, now: list[float]) -> None:
         """Repeat an interval until its end is what the systems were told of it; the first guess goes on as before."""
         saved = {name: system.save() for name, system in self._systems.items()}
-        ends = [value + rate * dt for value, rate in zip(now, self._rates, strict=True)]
+        told = [value + rate * dt for value, rate in zip(now, self._rates, strict=True)]
+        before, measured = math.inf, 0
         for count in range(self._most):
-            misfit, worst = 0.0, 0
-            for name, system in self._systems.items():
-                if count:
-                    system.restore(saved[name])
-                told = list(ends)
-                self._tell(name, now, [(b - a) / dt for a, b in zip(now, told, strict=True)])
-                system.step(time, dt)
-                self._read(name, ends)
-                for k in self._from[name]:
-                    self._largest[k] = max(self._largest[k], abs(now[k]), abs(ends[k]))
-                    miss = abs(ends[k] - told[k])
-                    if miss > misfit * self._largest[k]:
-                        misfit, worst = miss / self._largest[k], k
+            ends = list(told)
+            for name in self._systems:
+                self._try(name, time, dt, now, told, ends, saved[name] if count else None)
             self.iterations += 1
+            misfit, worst = self._misfit(now, told, ends)
             if misfit <= self._tolerance:
+                self._largest = [max(map(abs, both)) for both in zip(self._largest, now, ends, strict=True)]
                 self._rates = [(b - a) / dt for a, b in zip(now, ends, strict=True)]
                 return
+            slow = misfit > SLOW * before
+            if not self._chord or (slow and measured < MOST_MEASURED):
+                self._measure(time, dt, now, told, ends, saved)
+                measured, misfit = measured + 1, math.inf
+            before = misfit
+            misses = [b - a for a, b in zip(told, ends, strict=True)]
+            told = [
+                value + sum(c * miss for c, miss in zip(row, misses, strict=True))
+                for value, row in zip(told, self._chord, strict=True)
+            ]
         link = self.links[worst]
         raise StopError(
             Outcome.NOT_CONVERGED,
@@ -238,6 +254,57 @@ class Master:
             f"changes by {misfit:.1e} of its largest value after {self._most} repetitions of {dt:g} s; shorter "
             "intervals between exchanges help",
         )
+
+    def _try(
+        self,
+        name: str,
+        time: float,
+        dt: float,
+        now: Sequence[float],
+        told: Sequence[float],
+        ends: list[float],
+        state: Any,
+    ) -> None:
+        """Advance a system that was told of the end of the interval, from a state; what it gives there."""
+        system = self._systems[name]
+        if state is not None:
+            system.restore(state)
+        self._tell(name, now, [(b - a) / dt for a, b in zip(now, told, strict=True)])
+        system.step(time, dt)
+        self._read(name, ends)
+
+    def _misfit(self, now: list[float], told: list[float], ends: list[float]) -> tuple[float, int]:
+        """Of the link that fits worst: how far it is off, relative to its largest value, and its number."""
+        misfit, worst = 0.0, 0
+        for k, (first, a, b) in enumerate(zip(now, told, ends, strict=True)):
+            miss, size = abs(b - a), max(self._largest[k], abs(first), abs(b))
+            if miss > misfit * size:
+                misfit, worst = miss / (size or miss), k
+        return misfit, worst
+
+    def _measure(
+        self,
+        time: float,
+        dt: float,
+        now: list[float],
+        told: list[float],
+        ends: list[float],
+        saved: Mapping[str, Any],
+    ) -> None:
+        """How a misfit is to be taken back: ``(1 - M)^-1`` of what the ends become by what is told of them."""
+        count = len(told)
+        loop = np.zeros((count, count))
+        for k, link in enumerate(self.links):
+            size = PULSE * max(self._largest[k], abs(told[k])) or PULSE
+            changed, found = list(told), list(ends)
+            changed[k] += size
+            self._try(link.target, time, dt, now, changed, found, saved[link.target])
+            for i in self._from[link.target]:
+                loop[i, k] = (found[i] - ends[i]) / size
+        pairs = zip(self._largest, told, ends, strict=True)
+        sizes = np.array([max(map(abs, several)) or 1.0 for several in pairs])
+        scaled = np.linalg.pinv(np.eye(count) - loop * sizes / sizes[:, None], rcond=SINGULAR)
+        self._chord = (scaled * sizes[:, None] / sizes).tolist()
 
     def _read(self, name: str, values: list[float]) -> None:
         """Put the outputs of a system to its links.

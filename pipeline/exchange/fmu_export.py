@@ -94,7 +94,16 @@ def export_fmu(
     """
     if fmi not in {2, 3}:
         raise InputError(f"{fmi!r}", source="fmu", key="--fmi", expected="2 or 3")
-    simulation = Simulation(path, overrides=overrides)
+    with tempfile.TemporaryDirectory(prefix="heavylift-") as scratch:
+        return _export(Path(scratch), path, fmi, out, overrides)
+
+
+def _export(
+    scratch: Path, path: Path | str, fmi: FmiVersion, out: Path | None, overrides: Sequence[str]
+) -> Path:
+    """Write a unit; what is made for it goes to a folder."""
+    made = scratch / "out"
+    simulation = Simulation(path, out=made, overrides=overrides)
     case = simulation.case
     identifier = re.sub(r"\W", "_", case.name, flags=re.ASCII)
     identifier = identifier if _PLAIN.match(identifier) else f"case_{identifier}"
@@ -121,16 +130,20 @@ def export_fmu(
         "resources/python.txt": f"{sys.executable}\n",
         "resources/token.txt": token,
     }
-    with tempfile.TemporaryDirectory(prefix="heavylift-") as folder:
-        library = Path(folder) / f"{identifier}{_ending()}"
-        _compile(fmi, library)
-        target.parent.mkdir(parents=True, exist_ok=True)
-        with replacing(target) as temporary, zipfile.ZipFile(temporary, "w", zipfile.ZIP_DEFLATED) as archive:
-            for name, text in texts.items():
-                _put(archive, name, text.encode())
-            _put(archive, f"binaries/{_platform(fmi)}/{library.name}", library.read_bytes())
-            for name, file in files.items():
-                _put(archive, f"resources/case/{name}", file.read_bytes())
+    library = scratch / f"{identifier}{_ending()}"
+    _compile(fmi, library)
+    outputs_of_case = case.output_folder.relative_to(case.folder).as_posix()
+    for stage in ("mesh", "modes", "derived"):  # an instance takes them from there
+        for name, file in _case_files(made / stage, target) if (made / stage).is_dir() else ():
+            if file.suffix != ".vtu":  # a picture
+                files[f"{outputs_of_case}/{stage}/{name}"] = file
+    target.parent.mkdir(parents=True, exist_ok=True)
+    with replacing(target) as temporary, zipfile.ZipFile(temporary, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, text in texts.items():
+            _put(archive, name, text.encode())
+        _put(archive, f"binaries/{_platform(fmi)}/{library.name}", library.read_bytes())
+        for name, file in files.items():
+            _put(archive, f"resources/case/{name}", file.read_bytes())
     return target
 
 
@@ -246,7 +259,7 @@ def _description(
     if fmi == 2:
         head: dict[str, object] = {"fmiVersion": "2.0", "guid": token}
         can |= {
-            "canInterpolateInputs": all(one.interpolation == "held" for one in inputs),
+            "canInterpolateInputs": True,
             "canNotUseMemoryManagementFunctions": True,
             "canGetAndSetFMUstate": True,
             "canSerializeFMUstate": True,

@@ -11,8 +11,11 @@
 #ifndef HEAVYLIFT_CLIENT_H
 #define HEAVYLIFT_CLIENT_H
 
+#include <math.h>
 #include <stddef.h>
 #include <stdint.h>
+
+#define HL_NO_RATE HUGE_VAL /* of an input among others that have rates */
 
 #ifdef __cplusplus
 extern "C" {
@@ -56,7 +59,7 @@ int hl_connect_file(hl_client **client, const char *file, const char *role, doub
 /* What the simulation has; valid until the next call of this function. */
 int hl_describe(hl_client *client, const hl_description **description);
 
-/* Set inputs from now on. `rates` [1/s] may be NULL. */
+/* Set inputs from now on. `rates` [1/s] may be NULL, or have HL_NO_RATE. */
 int hl_set(hl_client *client, size_t count, const char *const names[], const double values[], const double rates[]);
 
 /* Advance by dt [s], a multiple of the step, and read outputs at the end. Held inputs act from now on, linear ones are
@@ -99,7 +102,6 @@ void hl_close(hl_client *client, int end);
 
 #include <errno.h>
 #include <fcntl.h>
-#include <math.h>
 #include <netdb.h>
 #include <netinet/in.h>
 #include <netinet/tcp.h>
@@ -634,9 +636,10 @@ static void hl__put_inputs(hl_client *c, size_t count, const char *const names[]
     hl__put_map(&c->request, count);
     for (k = 0; k < count; k++) {
         hl__put_text(&c->request, names[k]);
-        if (rates) hl__put_list(&c->request, 2);
+        int sloped = rates && !(rates[k] == HL_NO_RATE); /* what is no number is refused there */
+        if (sloped) hl__put_list(&c->request, 2);
         hl__put_double(&c->request, values[k]);
-        if (rates) hl__put_double(&c->request, rates[k]);
+        if (sloped) hl__put_double(&c->request, rates[k]);
     }
 }
 

@@ -312,9 +312,9 @@ static int step(Unit *unit, double time, double dt)
     for (k = 0; k < unit->inputs; k++) {
         if (!unit->pending[k]) continue;
         unit->asked[told] = unit->names[k];
-        unit->given[told] = unit->values[k];
-        unit->slopes[told++] = unit->rates[k];
-        sloped |= unit->rates[k] != 0.0;
+        unit->given[told] = unit->values[k] + (unit->linear[k] ? unit->rates[k] * dt : 0.0); /* where it arrives */
+        unit->slopes[told++] = unit->linear[k] || unit->rates[k] == 0.0 ? HL_NO_RATE : unit->rates[k];
+        sloped |= !unit->linear[k] && unit->rates[k] != 0.0;
     }
     outputs = unit->asked + told;
     for (k = unit->inputs; k < unit->count; k++) {
@@ -653,8 +653,6 @@ DEFINE(int, fmi2SetRealInputDerivatives, (void *instance, const Reference refere
         size_t i = references[k] - 1;
         if (orders[k] != 1) return fail(unit, ERROR, "%s: a derivative of order %d; expected 1", unit->names[i], orders[k]);
         if (!isfinite(values[k])) return fail(unit, ERROR, "%s: a rate of %g", unit->names[i], values[k]);
-        if (unit->linear[i])
-            return fail(unit, ERROR, "%s: a rate of what arrives at its value at the end of a step", unit->names[i]);
         unit->rates[i] = values[k];
         unit->pending[i] = 1;
     }

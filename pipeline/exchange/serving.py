@@ -174,7 +174,8 @@ def _simulation(
     """The simulation of a case, and the lock of the folder of its results, which nobody else may write to meanwhile."""
     from heavylift.pipeline.stepping.simulation import Simulation
 
-    simulation, reserved = Simulation(path, out=out, overrides=overrides), contextlib.ExitStack()
+    simulation = Simulation(path, out=out, overrides=overrides, history=out is not None)
+    reserved = contextlib.ExitStack()
     if out is not None:
         reserved.enter_context(locked(out))
     return simulation, reserved

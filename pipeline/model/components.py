@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple, Self, get_
 
 from pydantic import ValidationError
 
-from heavylift.numerics.outcome import InputError
+from heavylift.numerics.outcome import InputError, InputErrors
 from heavylift.numerics.words import nearest
 from heavylift.pipeline.case.case_file import ASKING, Case
 from heavylift.pipeline.case.errors import input_errors, is_chosen, known_keys, sections_in
@@ -30,27 +30,17 @@ from heavylift.pipeline.model.words import docstring, words_of
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
-__all__ = ["TABLES_OF_CASE", "CaseTable", "Component", "ModelErrors", "component_class", "component_names"]
+__all__ = ["TABLES_OF_CASE", "CaseTable", "Component", "component_class", "component_names"]
 
 _OWN_KEYS = {"title", "sources", "parameters"}
 """Keys of a case that are no tables."""
 
 
-class ModelErrors(InputError):
-    """Everything that is wrong with a model, one line each.
+class ModelErrors(InputErrors):
+    """Everything that is wrong with a model, one line each; also when it comes from another process."""
 
-    Attributes
-    ----------
-    errors
-        Each with its ``source`` (line of the program, or file), ``key``, ``problem`` and ``expected``.
-    """
-
-    def __init__(self, errors: list[InputError]) -> None:
-        super().__init__("")
-        self.errors = errors
-
-    def __str__(self) -> str:
-        return "\n".join(map(str, self.errors))
+    def __reduce__(self) -> tuple[type[ModelErrors], tuple[list[InputError]]]:
+        return type(self), (self.errors,)
 
 
 def raised(errors: list[InputError]) -> InputError:
@@ -152,30 +142,41 @@ class Component(metaclass=_ComponentClass):
     _model: Any  # that it is in
 
     def __init__(self, name: str | None = None, /, **keys: Any) -> None:
-        cls, made_at = type(self), line_of_program()
-        put = object.__setattr__
-        put(self, "_made_at", made_at)
-        put(self, "_model", None)
-        put(self, "_name", name if cls.TABLE.form == "named" else None)
-        label = cls.TABLE.label
-        given = {label: name, **keys} if label and name is not None else keys
+        cls = type(self)
+        row: dict[str, Any] = {}
+        for key, value in (("_made_at", line_of_program()), ("_model", None), ("_name", None), ("_row", row)):
+            object.__setattr__(self, key, value)
+        label = cls.TABLE.label or ("name" if cls.TABLE.form == "named" else "")
+        if name is not None:
+            self._take_name(name, label, keys)
+            keys = {label: name, **keys}
+        if isinstance(keys.get(label), str):  # known to the messages that follow
+            object.__setattr__(self, "_name", keys[label])
+            row[label] = keys[label]
         try:
-            row = {**words_of(cls.SECTION, needed=True), **plain(given)}
+            given = plain(keys)
         except InputError as error:
             raise self._told(error) from None
-        put(self, "_row", row)
-        if name is None and cls.TABLE.form == "named":
-            given_name = row.pop("name", None)
-            put(self, "_name", given_name)
-            if given_name is None:
+        if cls.TABLE.form == "named":
+            object.__setattr__(self, "_name", given.pop("name", None))
+            if self._name is None:
                 raise self._told(
                     InputError("is missing", key="name", expected="a name as the first argument")
                 )
-        if name is not None and cls.TABLE.form == "single":
-            raise self._told(
-                InputError(f"{name!r}", key="name", expected=f"keys only: there is one [{cls.TABLE.key}]")
-            )
+        row.clear()
+        first = {label: given[label]} if label in given else {}
+        row.update({**first, **words_of(cls.SECTION, needed=True), **given})
         self._check()
+
+    def _take_name(self, name: object, label: str, keys: Mapping[str, Any]) -> None:
+        """See that a first argument is a name, and that there can be one."""
+        table = f"[{self.TABLE.key}]" if self.TABLE.form == "single" else f"[[{self.TABLE.key}]]"
+        if not label:
+            raise self._told(InputError(f"{name!r}", key="name", expected=f"keys only: {table} has no name"))
+        if not isinstance(name, str):
+            raise self._told(InputError(f"{name!r} is not a string", key=label, expected="a name"))
+        if label in keys:
+            raise self._told(InputError(f"{name!r} and {keys[label]!r}", key=label, expected="one name"))
 
     @classmethod
     def _of(cls, row: dict[str, Any], name: str | None) -> Self:
@@ -185,15 +186,16 @@ class Component(metaclass=_ComponentClass):
             object.__setattr__(made, key, value)
         return made
 
-    def _copied(self, row: dict[str, Any] | None = None) -> Self:
-        """The same with a table of its own."""
-        made = self._of(copy.deepcopy(self._row) if row is None else row, self._name)
+    def _copied(self) -> Self:
+        """The same with a table of its own, in no model."""
+        made = self._of(copy.deepcopy(self._row), self._name)
         object.__setattr__(made, "_made_at", self._made_at)
         return made
 
     @property
     def _own_name(self) -> str | None:
-        return self._name if self.TABLE.form == "named" else self._row.get(self.TABLE.label)
+        found = self._name if self.TABLE.form == "named" else self._row.get(self.TABLE.label)
+        return found if isinstance(found, str) else None
 
     @property
     def _words(self) -> str:
@@ -311,11 +313,14 @@ def _names_interface(row: Mapping[str, Any], key: str) -> bool:
 
 
 def line_of_program() -> str:
-    """File and line of the program that called this package, e.g. ``"lift.py:12"``."""
+    """File and line of the program that called this package: ``"lift.py:12"``, in a notebook ``"cell:3"``."""
     frame: Any = sys._getframe(1)  # noqa: SLF001
     while frame is not None and str(frame.f_globals.get("__name__", "")).partition(".")[0] == "heavylift":
         frame = frame.f_back
-    return "" if frame is None else f"{Path(frame.f_code.co_filename).name}:{frame.f_lineno}"
+    if frame is None:
+        return ""
+    file = frame.f_code.co_filename
+    return f"{'cell' if 'ipykernel' in file else Path(file).name}:{frame.f_lineno}"
 
 
 def _name(section: type[Section]) -> str:

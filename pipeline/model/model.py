@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 import re
 import shutil
+import weakref
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -14,6 +15,7 @@ from heavylift.pipeline.case.case_file import CASE_FILE, Case, check_values, mak
 from heavylift.pipeline.case.overrides import REMOVED, assign, entry_index
 from heavylift.pipeline.case.tables import TABLES
 from heavylift.pipeline.equipment.builders import BUILDERS
+from heavylift.pipeline.log import Log
 from heavylift.pipeline.model.components import (
     TABLES_OF_CASE,
     CaseTable,
@@ -29,7 +31,6 @@ from heavylift.pipeline.results.storage import replacing
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
-    from heavylift.pipeline.log import Log
     from heavylift.pipeline.model.results import Run
 
 __all__ = ["Model", "load"]
@@ -77,6 +78,8 @@ class Model:
         self._made_at = line_of_program()
         # components that the program holds, by the identity of their tables, which they keep alive
         self._held: dict[int, Component] = {}
+        self._taken: dict[tuple[str, str], tuple[str, dict[str, Any]]] | None = None
+        self._last: weakref.ref[Run] | None = None
 
     @property
     def title(self) -> str:
@@ -151,6 +154,8 @@ class Model:
             self._document.setdefault(table.key, []).append(row)
         object.__setattr__(component, "_model", self)
         self._held[id(row)] = component
+        if name is not None:
+            self._names()["" if table.shares else table.key, name] = (table.key, row)
         return component
 
     def _refuse_taken(self, component: Component, table: CaseTable, name: str | None) -> None:
@@ -164,14 +169,25 @@ class Model:
                     )
                 )
             return
-        for other, key, row in self._entries():
-            if name is not None and key == name and (other is table or (other.shares and table.shares)):
-                raise component._told(  # noqa: SLF001
-                    InputError(
-                        f"{name!r} is the name of a {class_of_row(other.key, row).__name__} already{self._where(row)}",
-                        expected="another name",
-                    )
+        taken = self._names().get(("" if table.shares else table.key, name or ""))
+        if taken is not None:
+            key, row = taken
+            raise component._told(  # noqa: SLF001
+                InputError(
+                    f"{name!r} is the name of a {class_of_row(key, row).__name__} already{self._where(row)}",
+                    expected="another name",
                 )
+            )
+
+    def _names(self) -> dict[tuple[str, str], tuple[str, dict[str, Any]]]:
+        """Tables by their names: in a space that many share, or by the key of their table."""
+        if self._taken is None:
+            self._taken = {
+                ("" if table.shares else table.key, name): (table.key, row)
+                for table, name, row in self._entries()
+                if name is not None
+            }
+        return self._taken
 
     def _where(self, row: Mapping[str, Any]) -> str:
         """Where the component of a table was made, in words."""
@@ -279,6 +295,7 @@ class Model:
         if table.form != "single" and not content:
             del self._document[table.key]
         object.__setattr__(found, "_model", None)
+        self._taken = None
         return found
 
     def rename(self, name: str, new: str) -> Component:
@@ -308,6 +325,7 @@ class Model:
         trial._rename(table, own, new)  # noqa: SLF001
         trial.case()
         self._rename(table, own, new)
+        self._taken = None
         return self[self._path(table, new)]
 
     def _rename(self, table: CaseTable, old: str, new: str) -> None:
@@ -372,6 +390,7 @@ class Model:
         places = assign(trial, keys, given, Case, f"{source}: Model.set").split(".")
         self._check_entry(trial, places, source)
         assign(self._document, keys, given, Case, source)
+        self._taken = None
 
     @staticmethod
     def _check_entry(document: Mapping[str, Any], places: Sequence[str], source: str) -> None:
@@ -399,16 +418,17 @@ class Model:
 
     def copy(self) -> Model:
         """An independent model with the same content."""
-        made, memo = Model(self.title), dict[int, Any]()
-        made._document = copy.deepcopy(self._document, memo)
-        made._file, made._text, made._made_at = self._file, self._text, self._made_at
-        for component in self._held.values():
-            row = memo.get(id(component._row))  # noqa: SLF001
-            if isinstance(row, dict):
-                other = component._copied(row)  # noqa: SLF001
-                object.__setattr__(other, "_model", made)
-                made._held[id(row)] = other
+        made = copy.deepcopy(self)
+        made._last = self._last  # noqa: SLF001
         return made
+
+    def __getstate__(self) -> dict[str, Any]:
+        """What copies and pickles are made of: identities are others there."""
+        return {**self.__dict__, "_held": list(self._held.values()), "_taken": None, "_last": None}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        held = {id(one._row): one for one in state["_held"]}  # noqa: SLF001
+        self.__dict__.update({**state, "_held": held})
 
     def case(self) -> Case:
         """The case that it is, checked as one that is read from a file.
@@ -437,6 +457,8 @@ class Model:
 
     def located(self, error: InputError) -> InputError:
         """An error of its case at the component that the program made, or at the key of the case file."""
+        if error.source not in {"", str(self._file)}:  # a file that the case names, or the output folder
+            return error
         parts = error.key.split(".")
         table = TABLES_OF_CASE.get(parts[0])
         content: Any = self._document.get(parts[0])
@@ -509,7 +531,7 @@ class Model:
             ) from None
         return file
 
-    def run(self, *, out: Path | str | None = None, log: Log | None = None) -> Run:
+    def run(self, *, out: Path | str | None = None, quiet: bool = True) -> Run:
         """Run it: mesh and modes as far as it needs them, and the simulation.
 
         Parameters
@@ -517,13 +539,15 @@ class Model:
         out
             Output folder that stays, from which an interrupted run goes on; by default a temporary folder that goes
             with the results.
-        log
-            Told what happens; quiet by default.
+        quiet
+            Whether nothing is printed; if not, what the commands say.
 
         Returns
         -------
         Run
             Its results. A run that stops by itself has results up to there, and says so in ``outcome`` and ``message``.
+            As long as they are there, another run takes their meshes and modes where its own would be the same, as it
+            takes those in the folder of a case that was loaded.
 
         Raises
         ------
@@ -534,7 +558,35 @@ class Model:
         """
         from heavylift.pipeline.model.results import run_model
 
-        return run_model(self.case(), self.located, out=out, log=log)
+        case = self.case()
+        last = None if self._last is None else self._last()
+        before = [case.output_folder, *([] if last is None else [last.out])]
+        reuse = [folder for folder in before if folder.is_dir()]
+        run = run_model(case, self.located, out=out, log=Log(quiet=quiet), reuse=reuse)
+        self._last = weakref.ref(run)
+        return run
+
+    def page(self) -> str:
+        """The scene before its run as an interactive page, the text of one HTML file: names, markers, rope paths.
+
+        Meshes and modes are made for it.
+
+        Raises
+        ------
+        InputError
+            If something is wrong with the model, or k3d is not installed.
+        StopError
+            If a stage stops by itself.
+        """
+        from heavylift.pipeline.model.results import start_page
+
+        return start_page(self.case(), self.located)
+
+    def _repr_html_(self) -> str:
+        """The page in a cell of a notebook."""
+        from heavylift.pipeline.model.results import in_cell
+
+        return in_cell(self.page())
 
     def __repr__(self) -> str:
         return f"<Model {self.title!r}: {len(self)} components>"

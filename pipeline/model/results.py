@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import html
 import shutil
 import tempfile
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
     from heavylift.pipeline.case.criteria.results import CriterionResult
     from heavylift.pipeline.checks.quantities import CheckResult
     from heavylift.pipeline.log import Log
+    from heavylift.pipeline.page.page import PageContent
     from heavylift.pipeline.report.interactive import JudgedRun
     from heavylift.pipeline.stages.stages import RunReport
 
@@ -189,29 +191,19 @@ class Run(Results):
         InputError
             If there are no records, or k3d is not installed.
         """
-        from heavylift.pipeline.page.packing import LibraryMissingError
-        from heavylift.pipeline.page.page import page_html
         from heavylift.pipeline.report.interactive import interactive_content
 
         if not len(self.time):
             raise InputError(
                 "there are no records", source=self.told_as, key="page", expected="a run with a first record"
             )
-        try:
-            return page_html(interactive_content(self.case, self.report.folder, self, self.judged))
-        except LibraryMissingError as error:
-            raise InputError(
-                str(error), source=self.told_as, key="page", expected="the package k3d"
-            ) from None
+        return _html_of(interactive_content(self.case, self.report.folder, self, self.judged), self.told_as)
 
     def _repr_html_(self) -> str:
         """The page in a cell of a notebook."""
         if not len(self.time):
             return f"<p>{html.escape(self.verdict)}</p>"
-        return (
-            f'<iframe srcdoc="{html.escape(self.page())}" sandbox="allow-scripts allow-downloads" '
-            f'style="width: 100%; height: {PAGE_HEIGHT}px; border: 0"></iframe>'
-        )
+        return in_cell(self.page())
 
     def __repr__(self) -> str:
         return f"<Run of {self.case.title!r}: {self.report.outcome.text}, {len(self.time)} records>"
@@ -229,15 +221,62 @@ class _Columns(dict[str, Any]):
         return self[name]
 
 
+def in_cell(page: str) -> str:
+    """A page as a cell of a notebook shows it: by itself, without a way to the notebook."""
+    return (
+        f'<iframe srcdoc="{html.escape(page)}" sandbox="allow-scripts allow-downloads" '
+        f'style="width: 100%; height: {PAGE_HEIGHT}px; border: 0"></iframe>'
+    )
+
+
+def _html_of(content: PageContent, told_as: object) -> str:
+    """Text of a page."""
+    from heavylift.pipeline.page.packing import LibraryMissingError
+    from heavylift.pipeline.page.page import page_html
+
+    try:
+        return page_html(content)
+    except LibraryMissingError as error:
+        raise InputError(str(error), source=told_as, key="page", expected="the package k3d") from None
+
+
+def start_page(case: Case, located: Callable[[InputError], InputError]) -> str:
+    """The page of a scene before its run; see `heavylift.pipeline.model.model.Model.page`."""
+    from heavylift.pipeline.report.interactive import start_content
+    from heavylift.pipeline.stages.stages import run_case
+
+    with tempfile.TemporaryDirectory(prefix="heavylift-") as folder, _told(located):
+        report = run_case(case, out=folder, stages=("mesh", "modes"))
+        if report.outcome is not Outcome.COMPLETED:
+            raise StopError(report.outcome, report.message)
+        return _html_of(start_content(case, report.folder), f"Model({case.title!r})")
+
+
+@contextlib.contextmanager
+def _told(located: Callable[[InputError], InputError]) -> Iterator[None]:
+    """Errors at the components of a program."""
+    try:
+        yield
+    except InputErrors as error:
+        raise raised([located(one) for one in error.errors]) from None
+    except InputError as error:
+        raise located(error) from None
+
+
 def run_model(
-    case: Case, located: Callable[[InputError], InputError], *, out: Path | str | None, log: Log | None
+    case: Case,
+    located: Callable[[InputError], InputError],
+    *,
+    out: Path | str | None,
+    log: Log,
+    reuse: Sequence[Path],
 ) -> Run:
     """Run the case of a model, which says where errors are; see `heavylift.pipeline.model.model.Model.run`."""
     if out is not None:
-        return _run_in(Path(out), case, located, log)
+        return _run_in(Path(out), case, located, log, reuse)
     folder = Path(tempfile.mkdtemp(prefix="heavylift-"))
     try:
-        run = _run_in(folder, case, located, log)
+        run = _run_in(folder, case, located, log, reuse)
     except BaseException:
         shutil.rmtree(folder, ignore_errors=True)
         raise
@@ -245,16 +284,19 @@ def run_model(
     return run
 
 
-def _run_in(folder: Path, case: Case, located: Callable[[InputError], InputError], log: Log | None) -> Run:
+def _run_in(
+    folder: Path,
+    case: Case,
+    located: Callable[[InputError], InputError],
+    log: Log,
+    reuse: Sequence[Path],
+) -> Run:
     from heavylift.pipeline.report.run import load_finite_results
     from heavylift.pipeline.stages.stages import run_case
 
-    try:
-        report = run_case(case, out=folder, stages=_STAGES, log=log)
-    except InputErrors as error:
-        raise raised([located(one) for one in error.errors]) from None
-    except InputError as error:
-        raise located(error) from None
+    others = [path for path in reuse if path.resolve() != folder.resolve()]
+    with _told(located):
+        report = run_case(case, out=folder, stages=_STAGES, log=log, reuse=others)
     results, problem = load_finite_results(case, folder)
     if report.outcome is not Outcome.COMPLETED and (results is None or not len(results.time)):
         raise StopError(report.outcome, report.message)

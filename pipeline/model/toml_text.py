@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import tomllib
 from typing import TYPE_CHECKING, Any
 
@@ -56,13 +57,19 @@ def _table(path: str, table: Mapping[str, Any]) -> Iterator[str]:
             for entry in value:
                 yield from ("", f"[[{inner}]]")
                 yield from _table(inner, entry)
-        elif path in {"", "repeat"} and key in TABLES_OF_CASE and TABLES_OF_CASE[key].form == "named":
+        elif _is_named(path, key, value):
             for name, entry in value.items():
                 yield from ("", f"[{inner}.{_key(name)}]")
                 yield from _table(f"{inner}.{_key(name)}", entry)
         else:
             yield from ("", f"[{inner}]")
             yield from _table(inner, value)
+
+
+def _is_named(path: str, key: str, value: dict[str, Any]) -> bool:
+    """Whether it is tables by name, each with a heading: ``[bodies.NAME]``."""
+    named = path in {"", "repeat"} and key in TABLES_OF_CASE and TABLES_OF_CASE[key].form == "named"
+    return named and all(isinstance(entry, dict) for entry in value.values())
 
 
 def _has_heading(path: str, key: str, value: Any) -> bool:
@@ -132,18 +139,23 @@ def changed_text(text: str, document: Mapping[str, Any]) -> str:
         What it shall contain.
     """
     before = tomllib.loads(text)
-    if before == document:
+    if _same(before, document):
         return text
     library = _library()
     parsed = library.parse(text)
     try:
         _change(parsed, before, document, "")
         changed: str = library.dumps(parsed)
-        if tomllib.loads(changed) == document:
+        if _same(tomllib.loads(changed), document):
             return changed
     except (ValueError, TypeError, KeyError, IndexError, AttributeError):
         pass  # what the library cannot do in place is written anew
     return case_text(document)
+
+
+def _same(one: Any, other: Any) -> bool:
+    """Whether two values are written alike; 1, 1.0 and true are equal in Python, and not in a file."""
+    return json.dumps(one, sort_keys=True, default=repr) == json.dumps(other, sort_keys=True, default=repr)
 
 
 def _change(node: Any, before: Mapping[str, Any], after: Mapping[str, Any], path: str) -> None:
@@ -153,7 +165,7 @@ def _change(node: Any, before: Mapping[str, Any], after: Mapping[str, Any], path
     for key, value in after.items():
         inner = f"{path}.{key}" if path else key
         old = before.get(key)
-        if key in before and old == value:
+        if key in before and _same(old, value):
             continue
         if isinstance(old, dict) and isinstance(value, dict):
             _change(node[key], old, value, inner)

@@ -30,7 +30,17 @@ if TYPE_CHECKING:
     from heavylift.pipeline.results.histories import Results
     from heavylift.pipeline.results.storage import OutputFolder
 
-__all__ = ["JudgedRun", "interactive_content", "recorded_scene"]
+__all__ = ["JudgedRun", "interactive_content", "recorded_scene", "start_content"]
+
+
+def start_content(case: Case, stages: OutputFolder) -> PageContent:
+    """Header and numbers of the page of a scene before its run, with names and markers; meshes and modes are made."""
+    from heavylift.pipeline.assemble.scene import assemble_scene
+    from heavylift.pipeline.case.places import in_case
+
+    with in_case(case):
+        drawn = case_scene(case, stages, assemble_scene(case, stages), None, marked=True)
+    return page_content(case, drawn, None, verdict=("The scene before its run", None), labelled=True)
 
 
 def recorded_scene(

@@ -244,7 +244,8 @@ def _check_scene(work: Work, stages: Sequence[str]) -> str:
 def make_parts(case: Case, folder: OutputFolder) -> None:
     """Make what a simulation needs from an output folder: meshes, modes, surfaces and databases that are not current.
 
-    A case without any leaves no file there; it is seen that it fits together.
+    What is current in the output folder of the case itself is taken from there. A case without any leaves no file; it
+    is seen that it fits together.
 
     Raises
     ------
@@ -254,7 +255,9 @@ def make_parts(case: Case, folder: OutputFolder) -> None:
         If a stage stops.
     """
     if case.surfaces or case.databases or any(body.BODY.MODAL for body in case.bodies.values()):
-        report = run_case(case, out=folder.root, stages=("mesh", "modes"))
+        own = case.output_folder
+        reuse = [own] if own.is_dir() and own.resolve() != folder.root.resolve() else []
+        report = run_case(case, out=folder.root, stages=("mesh", "modes"), reuse=reuse)
         if report.outcome is not Outcome.COMPLETED:
             raise StopError(report.outcome, report.message)
         return

@@ -23,7 +23,8 @@ from heavylift.pipeline.results.storage import OutputFolder, StopError
 from heavylift.pipeline.stages.advance import FIRST_PIECE, next_piece
 from heavylift.pipeline.stages.prepared import compile_parts, new_simulation, prepare_run
 from heavylift.pipeline.stages.stages import load_changed_case, make_parts
-from heavylift.pipeline.stepping.state import InputChange, Past, State
+from heavylift.pipeline.stepping.past import InputChange, Past
+from heavylift.pipeline.stepping.state import State
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -107,6 +108,8 @@ class Simulation:
         by default.
     overrides
         Changes of the case, as those of ``--set``; with a folder only.
+    history
+        Whether it keeps its records, for `results`, and what was set, for `input_log`; a long run needs memory for it.
 
     Attributes
     ----------
@@ -136,7 +139,12 @@ class Simulation:
     """
 
     def __init__(
-        self, case: Case | Path | str | Any, *, out: Path | str | None = None, overrides: Sequence[str] = ()
+        self,
+        case: Case | Path | str | Any,
+        *,
+        out: Path | str | None = None,
+        overrides: Sequence[str] = (),
+        history: bool = True,
     ) -> None:
         self.case: Case = _case_of(case, overrides)
         if self.case.simulate is None:
@@ -152,7 +160,7 @@ class Simulation:
         run = prepare_run(self.case, self._folder, Log(quiet=True))
         self._scene, self._meshes = run.scene, run.meshes
         self._begin(run.simulation)
-        self._past = Past("").with_records(np.zeros(1), self.row[np.newaxis])
+        self._past = Past(object(), history).recorded(0, np.zeros(1), self.row[np.newaxis])
 
     def _begin(self, solver: Solver) -> None:
         """Take a simulation that has not started."""
@@ -163,7 +171,6 @@ class Simulation:
         self._columns = _columns_of(solver)
         self._callbacks: list[Callable[[LogLine], None]] = []
         self._told = 0
-        self._past = Past("")
         self.stop_asked: Callable[[], object] = bool
         self.row: NDArray[np.float64] = solver.record()
 
@@ -298,11 +305,6 @@ class Simulation:
         """
         return [self[name] for name in outputs]
 
-    @property
-    def input_log(self) -> list[InputChange]:
-        """Changes of inputs that led to the state now, for `replay`: since the start, or a state of another process."""
-        return self._past.all_changes
-
     def set(self, name: str, value: float, *, rate: float = 0.0, until: float = math.inf) -> None:
         """Drive an input from now on.
 
@@ -320,7 +322,6 @@ class Simulation:
         InputError
             If there is no such input, or the value is not possible; nothing has changed then.
         """
-        solver = self._solver
         if self.ended:
             raise InputError(
                 f"the run has ended at t = {self.time:.9g} s",
@@ -328,8 +329,21 @@ class Simulation:
                 key=str(name),
                 expected="values before its end",
             )
-        solver.set_input(name, value, rate, until)
-        self._note(name, value, rate, until)
+        self._set([(name, value, rate, until)])
+
+    def _set(self, settings: list[tuple[str, Any, Any, float]]) -> None:
+        """Set inputs from now on, all of them or none, and note it."""
+        solver = self._solver
+        solver.set_inputs(settings)
+        self._past = self._past.changed(
+            InputChange(solver.time, name, float(value), float(rate), float(until))
+            for name, value, rate, until in settings
+        )
+
+    @property
+    def input_log(self) -> list[InputChange]:
+        """Changes of inputs since the start, for `replay`."""
+        return self._past.log
 
     def step(
         self,
@@ -377,8 +391,7 @@ class Simulation:
             begin = clock.monotonic()
             times, rows = solver.advance(min(piece, last - solver.step_index))
             index = solver.step_index
-            if len(rows):
-                self._past = self._past.with_records(times, rows)
+            self._past = self._past.recorded(index, times, rows)
             if index >= last or solver.ended or solver.outcome is not Outcome.COMPLETED or self.stop_asked():
                 break
             piece = next_piece(piece, clock.monotonic() - begin)
@@ -424,23 +437,45 @@ class Simulation:
                         expected="a value, or a value and its rate",
                     )
                 wanted.append((name, value[0], value[1], end))
-            elif name in ports and ports[name].interpolation == "linear" and isinstance(value, Real):
+            elif name in ports and ports[name].interpolation == "linear" and _is_number(value):
                 now = ports.value(name)[0]
                 wanted.append((name, now, (float(value) - now) / (count * solver.step), end))
             else:
                 wanted.append((name, value, 0.0, math.inf))
-        solver.set_inputs(wanted)
-        for change in wanted:
-            self._note(*change)
+        self._set(wanted)
 
-    def _note(self, name: str, value: float, rate: float, until: float) -> None:
-        """Keep what an input was set to."""
-        change = InputChange(self._solver.time, name, float(value), float(rate), float(until))
-        self._past = self._past.with_change(change)
+    def linearise(
+        self, inputs: Sequence[str] | None = None, outputs: Sequence[str] | None = None
+    ) -> Linearisation:
+        """Matrices and modes of small motions about the state now, which stays as it is.
+
+        Parameters
+        ----------
+        inputs
+            Names; all by default.
+        outputs
+            Names of outputs or of whole channels; none by default.
+
+        Raises
+        ------
+        InputError
+            If something of the scene has no linear motion, or a name is unknown.
+
+        Examples
+        --------
+        >>> import heavylift as hl
+        >>> modes = hl.Simulation("cases/hoist").linearise()
+        >>> print(f"{modes.frequencies[-1]:.3f} Hz")
+        1.007 Hz
+        """
+        from heavylift.solver.linearise.linearise import linearise
+
+        with in_case(self.case):
+            return linearise(self._solver, inputs, outputs)
 
     def save(self) -> State:
         """The state now, inputs included."""
-        return State(self._solver.state(), self._past)
+        return State(self._solver.state(), self._past.driven, self._past)
 
     def restore(self, state: State) -> None:
         """Go on from a state of this simulation, of a copy, or of another process with the same case.
@@ -450,14 +485,29 @@ class Simulation:
         InputError
             If the state belongs to another scene.
         """
+        reached = self._solver.step_index
         self._solver.restore(state.arrays)
         self.row = self._solver.record()
-        if state.past is None:  # histories begin with it
-            self._past = Past(state.digest).with_records(np.array([self.time]), self.row[np.newaxis])
-        else:
-            self._past = state.past
+        self._past = self._past_of(state, reached)
         if self._callbacks:
             self._told = self._logged
+
+    def _past_of(self, state: State, reached: int) -> Past:
+        """What is behind a state that was just restored; of a state that was written or of another run, what is known.
+
+        Without its records those of this run stand for them, if it was driven alike and had `reached` that step.
+        """
+        if state.past is not None and state.past.run is self._past.run:
+            return state.past
+        index, driven = self._solver.step_index, state.digest
+        if index <= reached:
+            same = self._past.until(index, self.time, driven, 0.5 * self.step_size)
+            if same is not None:
+                return same
+        past = Past(self._past.run, self._past.keeps, index, driven, driven)
+        if index % self._solver.record_every:
+            return past
+        return past.recorded(index, np.array([self.time]), self.row[np.newaxis])
 
     def copy(self) -> Simulation:
         """Another simulation in the same state, with the same history, which goes its own way."""
@@ -521,31 +571,19 @@ class Simulation:
             for callback in self._callbacks:
                 callback(line)
 
-    def linearise(
-        self, inputs: Sequence[str] | None = None, outputs: Sequence[str] | None = None
-    ) -> Linearisation:
-        """Matrices and modes of small motions about the state now, which stays as it is.
+    def results(self) -> Results:
+        """Histories so far, as `heavylift.load_results` gives them.
 
-        Parameters
-        ----------
-        inputs, outputs
-            Names of inputs, all by default, and of outputs, none by default.
+        After a state of another process they begin at its time.
 
         Raises
         ------
         InputError
-            If something of the scene has no linear motion, or a name is unknown.
+            If there is no record: none is kept without `history`.
         """
-        from heavylift.solver.linearise.linearise import linearise
-
-        with in_case(self.case):
-            return linearise(self._solver, inputs, outputs)
-
-    def results(self) -> Results:
-        """Histories so far, as `heavylift.load_results` gives them."""
         from heavylift.pipeline.results.histories import ChannelInfo, Results
 
-        times, rows = (np.concatenate(part) for part in zip(*self._past.all_records, strict=True))
+        times, rows = (np.concatenate(part) for part in zip(*self._pieces, strict=True))
         channels = {
             c.name: ChannelInfo(c.name, c.unit, tuple(c.components), c.column) for c in self._solver.channels
         }
@@ -555,15 +593,39 @@ class Simulation:
         metadata = {"title": self.case.title, "case": self.case.name, "outcome": self.outcome.name.lower()}
         return Results(self.case.file, times, channels, columns, metadata)
 
+    @property
+    def _pieces(self) -> list[tuple[NDArray[np.float64], NDArray[np.float64]]]:
+        """All records.
+
+        Raises
+        ------
+        InputError
+            If there are none.
+        """
+        pieces = self._past.pieces
+        if not pieces:
+            raise InputError(
+                "there are no records",
+                source="simulation",
+                key="history",
+                expected="a record since the state that was restored"
+                if self._past.keeps
+                else "a simulation with 'history'",
+            )
+        return pieces
+
     def write_results(self, folder: Path | str) -> StageReport:
         """Write the histories so far into an output folder, as the stage simulate does, for `report` and `verify`.
 
         What drove the inputs belongs to the digest of these results: `simulate` in the same folder takes them only
         for a run with the same values. A run that has not ended yet is left as one that was interrupted, which
-        `simulate` continues if nothing drove its inputs.
+        `simulate` continues if nothing drove its inputs. Records that begin with a state of another process are never
+        taken for those of a whole run.
 
         Raises
         ------
+        InputError
+            If there is no record.
         StopError
             If the disk is full, or another run works in the folder.
         """
@@ -577,14 +639,15 @@ class Simulation:
         from heavylift.pipeline.stages.work import Work
 
         solver, work = self._solver, Work(self.case, OutputFolder(Path(folder)), Log(quiet=True))
+        pieces, past = self._pieces, self._past
         digest = simulate_digest(self.case)
-        changes = [list(map(str, change)) for change in self.input_log]
-        if self._past.origin or changes:
-            digest = digest_json([digest, self._past.origin, changes])
+        if past.driven or past.begin:
+            digest = digest_json([digest, past.driven.hex(), past.begin])
         with locked(work.folder.root):
+            work.folder.results.unlink(missing_ok=True)  # of an earlier run
             remove_segments(work.folder.segments)
             advancer = Advancer(solver, work.folder.segments, digest, solver.step_index)
-            for times, rows in self._past.all_records:
+            for times, rows in pieces:
                 advancer.keep(times, rows)
             advancer.write()
             save_meshes(work.folder.meshes, self._meshes)
@@ -603,6 +666,11 @@ class Simulation:
                 self._meshes,
                 solver.compile_seconds,
             )
+
+
+def _is_number(value: Any) -> bool:
+    """Whether it is a number of Python or of NumPy, as an array of no dimension is."""
+    return isinstance(value, Real) or (isinstance(value, np.ndarray) and value.shape == ())
 
 
 def _case_of(case: Any, overrides: Sequence[str]) -> Case:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import io
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -14,69 +14,15 @@ from heavylift.numerics.outcome import InputError
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-__all__ = ["InputChange", "Past", "State"]
+    from heavylift.pipeline.stepping.past import Past
+
+__all__ = ["State"]
 
 HEAD = b"heavylift state 1\n"
 DIGEST = 16
 """Bytes behind the head, of what follows them."""
-
-
-class InputChange(NamedTuple):
-    """A row of the log of inputs.
-
-    From a time [s] on an input has a value that changes at a rate, until a time [s].
-    """
-
-    time: float
-    name: str
-    value: float
-    rate: float
-    until: float
-
-
-class Past(NamedTuple):
-    """What led to a state: chains that many states share, whose last parts are the newest ones.
-
-    Attributes
-    ----------
-    origin
-        Digest of the state of another process with which it began; empty for the start of the case.
-    records
-        A chain of times, shape (rows,), and records, shape (rows, columns): what was before, and the last part.
-    changes
-        A chain of changes of inputs.
-    """
-
-    origin: str
-    records: tuple[Any, tuple[NDArray[np.float64], NDArray[np.float64]]] | None = None
-    changes: tuple[Any, InputChange] | None = None
-
-    def with_records(self, times: NDArray[np.float64], rows: NDArray[np.float64]) -> Past:
-        """The same, and records that follow."""
-        return self._replace(records=(self.records, (times, rows)))
-
-    def with_change(self, change: InputChange) -> Past:
-        """The same, and a change that follows."""
-        return self._replace(changes=(self.changes, change))
-
-    @property
-    def all_records(self) -> list[tuple[NDArray[np.float64], NDArray[np.float64]]]:
-        """Parts of times and records, the oldest first."""
-        return _listed(self.records)
-
-    @property
-    def all_changes(self) -> list[InputChange]:
-        """Changes of inputs, the oldest first."""
-        return _listed(self.changes)
-
-
-def _listed(chain: Any) -> list[Any]:
-    """Parts of a chain, the oldest first."""
-    parts = []
-    while chain is not None:
-        chain, part = chain
-        parts.append(part)
-    return parts[::-1]
+DRIVEN = "driven"
+"""Name of the digest of what inputs were set to, beside the arrays."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,8 +33,10 @@ class State:
     ----------
     arrays
         By name, as `heavylift.solver.simulation.Simulation.state` gives them.
+    driven
+        Digest of what inputs were set to up to it; None if that is not known.
     past
-        How it came about; None of a state from bytes, of which nobody here knows it.
+        What is behind it, in the process that has saved it; not among the bytes.
 
     Examples
     --------
@@ -103,20 +51,25 @@ class State:
     """
 
     arrays: dict[str, NDArray[Any]]
+    driven: bytes | None = None
     past: Past | None = None
 
     @property
-    def digest(self) -> str:
-        """Digest of all that a continuation depends on."""
+    def digest(self) -> bytes:
+        """Of what inputs were set to up to it; if that is not known one that no other state has."""
+        if self.driven is not None:
+            return self.driven
         found = hashlib.blake2b(digest_size=DIGEST)
-        for name in sorted(self.arrays.keys() - {"cpu_seconds"}):
-            found.update(name.encode() + self.arrays[name].tobytes())
-        return found.hexdigest()
+        for name, array in sorted(self.arrays.items()):
+            if name != "cpu_seconds":
+                found.update(name.encode() + array.tobytes())
+        return found.digest()
 
     def to_bytes(self) -> bytes:
         """The state as bytes; in NumPy's format, without pickles."""
         stream = io.BytesIO()
-        np.savez(stream, **self.arrays)  # type: ignore[arg-type]
+        driven = {DRIVEN: np.frombuffer(self.digest, np.uint8)}
+        np.savez(stream, **self.arrays, **driven)  # type: ignore[arg-type]
         data = stream.getvalue()
         return HEAD + _digest(data) + data
 
@@ -139,7 +92,8 @@ class State:
                 expected="what 'State.to_bytes' gives",
             )
         with np.load(io.BytesIO(whole[begin:]), allow_pickle=False) as file:
-            return cls({name: file[name] for name in file.files})
+            arrays = {name: file[name] for name in file.files}
+        return cls(arrays, arrays.pop(DRIVEN).tobytes())
 
 
 def _digest(data: bytes) -> bytes:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from difflib import get_close_matches
-from typing import TYPE_CHECKING, NoReturn
+from typing import TYPE_CHECKING, Any, NoReturn
 
 import numpy as np
 
@@ -15,7 +15,7 @@ from heavylift.numerics.outcome import InputError
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from heavylift.solver.inputs.targets import BoundInputs
+    from heavylift.solver.inputs.targets import BoundInputs, Target
     from heavylift.solver.scene.inputs import Interpolation
 
 __all__ = ["InputPorts", "Port"]
@@ -64,7 +64,7 @@ class InputPorts(Mapping[str, Port]):
     whole_steps
         Whether times are ends of steps: there is no tolerance.
     corners
-        Times at which a step must end [s], with room at the end for one of each input.
+        Times at which a step must end [s], with room at the end for two of each input.
     clock
         The present time [s].
 
@@ -140,6 +140,19 @@ class InputPorts(Mapping[str, Port]):
     def __len__(self) -> int:
         """How many there are."""
         return len(self._ports)
+
+    def parts(self, name: str) -> tuple[Any, Target, Any]:
+        """Description, target and state of an input, to try what it does about a state that is put back afterwards.
+
+        Raises
+        ------
+        InputError
+            If there is no such input.
+        """
+        self[name]
+        assert self._bound is not None
+        place = self._places[name]
+        return self._bound.inputs[place], self._bound.targets[place], self._state[place]
 
     def value(self, name: str) -> tuple[float, float]:
         """Value of an input now, and its rate [1/s].
@@ -270,8 +283,9 @@ class InputPorts(Mapping[str, Port]):
     def _derive(self) -> None:
         """The first end, and the corners."""
         self.ends = min(self._ends, key=lambda end: end[0])
-        changing = (float(one.until) for one in self._state if float(one.rate) != 0.0)
-        corners = sorted({*self._fixed_corners.tolist(), *filter(math.isfinite, changing)})
+        found = {float(one.until) for one in self._state if float(one.rate) != 0.0}
+        found |= {end for end, _ in self._ends} | set(self._fixed_corners.tolist())
+        corners = sorted(filter(math.isfinite, found))
         self._corners[: len(corners)] = corners
         self._corners[len(corners) :] = math.inf
 

@@ -31,6 +31,9 @@ if TYPE_CHECKING:
 
 __all__ = ["BoundInputs", "Target", "bind_inputs"]
 
+LAST = 1e-9
+"""Part of the time in which a drive changes, by which that lasts longer."""
+
 
 @dataclass(frozen=True, eq=False)
 class BoundInputs:
@@ -75,6 +78,9 @@ class Target:
 
     def put(self, time: float, value: float, rate: float, until: float) -> None:
         """Write its table: a value that changes at a rate from a time on [s], until another one, when it is held."""
+
+    def displace(self, time: float, amount: float) -> None:
+        """Let the place of what a speed drives be another one, by an amount of that speed times a time."""
 
     def end(self, time: float, value: float, rate: float, until: float, step: float) -> tuple[float, str]:
         """When it can do so no more [s], and why; infinite if it always can. `step` is that of the run [s]."""
@@ -163,6 +169,13 @@ class WinchTarget(_Planned):
             hauled = self._hauled(kind, number, time)
             in_python(write_winch)(kind, number, count, time, ratio, hauled, self._plan)
 
+    def displace(self, time: float, amount: float) -> None:
+        """A length hauled in more."""
+        del time
+        for _, kind, number, ratio in self._ropes:
+            kind.table[number].start_length -= ratio * amount
+            kind.state[number].rest -= ratio * amount
+
     def end(self, time: float, value: float, rate: float, until: float, step: float) -> tuple[float, str]:
         """Two steps before the whole rope is hauled in, as in a scenario."""
         speed, growth = (-rate, 0.0) if self._by_length else (value, rate)
@@ -229,6 +242,19 @@ class DriveTarget(_Planned):
             count = self._put_place(time, place, rate, until, linear_speeds=False)
         else:
             count = self._put_speed(time, place, value, rate, until)
+        if count > 1:  # what is recorded at the end is how the frame came there
+            last = self._plan[count - 1]
+            longer = LAST * float(last.time)
+            last.time, last.value = last.time + longer, last.value + longer * last.speed
+        in_python(write_profile)(self._profiles, self._first, count, time, self._plan)
+
+    def displace(self, time: float, amount: float) -> None:
+        """Another place, with the speed that it has."""
+        from heavylift.solver.drive import profile_value
+        from heavylift.solver.scenario.sequencer import write_profile
+
+        place, speed, _ = in_python(profile_value)(self._profiles, self._first, time)
+        count = self._put_rows((0.0, place + amount, speed, 0.0))
         in_python(write_profile)(self._profiles, self._first, count, time, self._plan)
 
 

@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.outcome import InputError
-from heavylift.solver.start.rows import StartRows, quoted
+from heavylift.solver.linearise.motions import Motions
+from heavylift.solver.start.rows import quoted
 
 __all__ = ["Independent"]
 
@@ -32,61 +33,49 @@ class Independent:
 
     Parameters
     ----------
-    rows
-        The scene; its rows are filled.
+    motions
+        What can move.
     turning
-        Velocities that should be dependent if possible, shape (dof_count,).
+        Unknowns that should be dependent if possible, shape (count,).
     size
         Of the scene [m].
 
     Attributes
     ----------
     chosen
-        Places of the independent velocities among all, shape (n,).
+        Independent ones among all unknowns, shape (n,).
     dependent
-        Of those that follow from them, shape (r,).
+        Those that follow from them, shape (r,).
     N
-        All velocities by the independent ones, shape (dof_count, n); rows of zeros for what is prescribed.
-    rank, row_count
-        Of the rigid rows.
+        Velocities of all unknowns by the independent ones, shape (count, n).
     """
 
-    def __init__(self, rows: StartRows, turning: NDArray[np.bool_], size: float) -> None:
+    def __init__(self, motions: Motions, turning: NDArray[np.bool_], size: float) -> None:
         from scipy.linalg import qr
 
-        self._rows, self._size = rows, size
-        rows.fill()
-        free = rows.free
-        self._root = np.sqrt(np.where(rows.inertia > 0.0, rows.inertia, 1.0))
+        self._motions, self._size = motions, size
+        self._root = np.sqrt(motions.inertia)
         A, _ = self._unit_rows()
-        A = A[:, free]
-        rank, order = 0, np.arange(len(free))
+        rank, order = 0, np.arange(motions.count)
         if A.size:
             values = np.linalg.svd(A, compute_uv=False)
             rank = int(np.count_nonzero(values > DEPENDENT * max(values[0], 1e-300)))
-            _, order = qr(A * np.where(turning[free], PREFERRED, 1.0), mode="r", pivoting=True)
-        self.dependent, self.chosen = free[order[:rank]], np.sort(free[order[rank:]])
-        self.rank, self.row_count = rank, len(A)
-        self.N = np.zeros((len(rows.inertia), len(self.chosen)))
+            _, order = qr(A * np.where(turning, PREFERRED, 1.0), mode="r", pivoting=True)
+        self.dependent, self.chosen = order[:rank], np.sort(order[rank:])
+        self.N = np.zeros((motions.count, len(self.chosen)))
         self.N[self.chosen, np.arange(len(self.chosen))] = 1.0
         if rank and len(self.chosen):
-            by = self._solve(-self._unit_rows()[0][:, self.chosen])
-            self.N[self.dependent] = by * self._root[self.chosen]
+            self.N[self.dependent] = self._solve(-A[:, self.chosen], A) * self._root[self.chosen]
 
     def _unit_rows(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Rigid rows over all velocities times the roots of their masses, of unit length; and their lengths."""
-        rows = self._rows
-        G = rows.matrix()
-        G = np.asarray(G if isinstance(G, np.ndarray) else G.toarray())[rows.rigid]
-        G[:, rows.inertia == 0.0] = 0.0
-        A = G / self._root
+        """Rigid rows over unknowns times the roots of their masses, of unit length; their lengths."""
+        A = self._motions.rigid_rows() / self._root
         length = np.sqrt(np.sum(A * A, axis=1))
         length[length == 0.0] = 1.0
         return A / length[:, None], length
 
-    def _solve(self, right: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _solve(self, right: NDArray[np.float64], A: NDArray[np.float64]) -> NDArray[np.float64]:
         """Dependent velocities with which the unit rows have a value; rows that depend on others agree."""
-        A, _ = self._unit_rows()
         found = np.linalg.lstsq(A[:, self.dependent], right, rcond=DEPENDENT)[0]
         return np.asarray((found.T / self._root[self.dependent]).T)
 
@@ -98,22 +87,19 @@ class Independent:
         InputError
             If they do not close, as beside a position in which a mechanism branches.
         """
-        rows = self._rows
-        last = np.inf
+        motions, last, goal = self._motions, np.inf, CLOSED * self._size
         for _ in range(ITERATIONS):
-            rows.fill()
-            gap = rows.residual[rows.rigid]
+            A, length = self._unit_rows()
+            gap = motions.gaps()
             worst = float(np.abs(gap).max(initial=0.0))
-            goal = CLOSED * self._size
             if worst <= goal and (worst > 0.3 * last or worst <= 1e-3 * goal):
                 return
             last = worst
-            increment = np.zeros(len(rows.inertia))
-            increment[self.dependent] = self._solve(-gap / self._unit_rows()[1])
-            rows.move(increment)
-        names = rows.worst(rows.residual, rows.rigid)
+            increment = np.zeros(motions.count)
+            increment[self.dependent] = self._solve(-gap / length, A)
+            motions.move(increment)
         raise InputError(
-            f"beside this position {quoted([rows.names[rows.block[row]] for row in names])} do not close",
+            f"beside this position {quoted(motions.worst())} do not close",
             source="linearisation",
             key="state",
             expected="a position in which the joints leave as many motions as beside it",
@@ -127,14 +113,12 @@ class Independent:
         w
             Shape (n,).
         """
-        rows = self._rows
-        U = rows.survey()[2]
+        motions = self._motions
+        U = motions.velocity
         U[self.chosen] = w
-        if self.rank:
-            rows.fill()
-            U[self.dependent] = 0.0
-            G = rows.matrix()
-            G = np.asarray(G if isinstance(G, np.ndarray) else G.toarray())[rows.rigid]
-            wanted = rows.column("target")[rows.rigid] - G @ U
-            U[self.dependent] = self._solve(wanted / self._unit_rows()[1])
-        rows.put_velocity(U)
+        U[self.dependent] = 0.0
+        motions.put_velocity(U)
+        if self.dependent.size:
+            A, length = self._unit_rows()
+            U[self.dependent] = self._solve(motions.missing_rates() / length, A)
+            motions.put_velocity(U)

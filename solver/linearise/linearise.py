@@ -13,7 +13,6 @@ joints and ropes, are in them as the step has them.
 from __future__ import annotations
 
 import math
-from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -28,11 +27,13 @@ from heavylift.numerics.words import nearest
 from heavylift.solver.integrate.loop import write_record
 from heavylift.solver.kinds import Table
 from heavylift.solver.linearise.coordinates import Independent
+from heavylift.solver.linearise.drivers import Drivers
 from heavylift.solver.linearise.memory_states import MemoryStates
 from heavylift.solver.linearise.modes import find_modes
+from heavylift.solver.linearise.motions import Motions
 from heavylift.solver.linearise.rates import find_middle
 from heavylift.solver.linearise.result import BodyShape, Linearisation
-from heavylift.solver.linearise.served import check_served
+from heavylift.solver.linearise.served import check_open, check_served
 from heavylift.solver.start.rows import StartRows, quoted
 
 if TYPE_CHECKING:
@@ -46,6 +47,9 @@ STEP, STEP_MOVING = 1e-7, 1e-5
 """Of the accelerations [s], with a half and a quarter of it; longer about a state that moves, where rounding of the
 velocities counts."""
 
+MOST = 1500
+"""Coordinates: matrices are dense, and their eigenvalues take the third power of that."""
+
 RESOLVED, SHORTEST = 2e-3, 1e-10
 """Step times the fastest eigenvalue, beyond which a shorter one is taken, and the shortest [s]: errors are its third
 power."""
@@ -53,6 +57,9 @@ power."""
 DIFFERENCE, DIFFERENCE_MOVING = 1e-6, 1e-4
 """Displacement of the difference quotients, relative to the size of the scene, or in radians; of both sorts of
 states."""
+
+NEAR = 10.0
+"""Of the largest displacement: gap below which a contact counts as closed."""
 
 MOVES = 1e-5
 """Velocity [m/s, rad/s] from which on a state moves."""
@@ -117,11 +124,16 @@ def linearise(
     check_served(simulation)
     columns = _output_columns(simulation, outputs)
     simulation.warm_up()
+    drivers = Drivers(simulation, inputs)
     kept = _Kept(simulation.layout)
     try:
-        return _Probe(simulation).linearise(columns)
+        return _Probe(simulation, drivers).linearise(columns)
     finally:
         kept.put_back()
+        if simulation.scene.touches:
+            from heavylift.solver.contact.check_start import forget_trials
+
+            forget_trials(simulation.layout)
 
 
 class _Kept:
@@ -192,9 +204,11 @@ def _output_columns(simulation: Simulation, names: Sequence[str] | None) -> _Col
 class _Probe:
     """Finds the rates of the states of a scene beside the present one."""
 
-    def __init__(self, simulation: Simulation) -> None:
+    def __init__(self, simulation: Simulation, drivers: Drivers) -> None:
+        self._drivers = drivers
         self._layout = layout = simulation.layout
         self._time = simulation.time
+        self._scene = simulation.scene
         self._gravity = float(np.linalg.norm(simulation.scene.gravity))
         self._channels = simulation.channels
         tables = layout.bodies, layout.forces, layout.joints, layout.systems, layout.work
@@ -207,12 +221,28 @@ class _Probe:
         self._system = next((one for one in layout.systems if "monitor" in one._fields), None)
         if self._system is not None:
             self._system.rows["hold"][self._system.rows["rigid"] > 0.0] *= HOLD
-        self._places, _, self._velocity = rows.survey()
+        self._places = rows.survey()[0]
+        self._motions = Motions(rows)
+        if self._motions.count > MOST:
+            raise InputError(
+                f"{self._motions.count} coordinates that move",
+                source="linearisation",
+                key="scene",
+                expected=f"at most {MOST}: coarser meshes, or bodies with modes",
+            )
+        self._velocity = self._motions.velocity
         moves = bool(np.abs(self._velocity).max(initial=0.0) > MOVES)
         self._step = STEP_MOVING if moves else STEP
         self._difference = DIFFERENCE_MOVING if moves else DIFFERENCE
         self._size = self._extent()
-        self._free = Independent(rows, self._turning(), self._size)
+        self._free = Independent(self._motions, self._turning(), self._size)
+        if not self._free.chosen.size:
+            raise InputError(
+                "the joints leave no motion",
+                source="linearisation",
+                key="state",
+                expected="something that moves freely",
+            )
         self._free.close()
         self._kept = _Kept(layout)
         self._w = self._velocity[self._free.chosen]
@@ -227,86 +257,106 @@ class _Probe:
 
     def _turning(self) -> NDArray[np.bool_]:
         """Velocities of frames that spin."""
-        found = np.zeros(len(self._velocity), dtype=np.bool_)
-        for first in self._rows.frame_starts:
+        found = np.zeros(self._motions.count, dtype=np.bool_)
+        for first in self._motions.firsts:
             found[first + 3 : first + 6] = bool(np.any(np.abs(self._velocity[first + 3 : first + 6]) > MOVES))
         return found
 
     def _mean(self, values: NDArray[np.float64]) -> float:
-        """Root of the mean square over the masses, of velocities or accelerations of all bodies."""
-        rows = self._rows
-        firsts = self._places[:, 0].astype(np.int64)
-        mass = float(rows.inertia[firsts[np.isin(firsts, rows.free)]].sum())
-        return math.sqrt(float(np.sum(rows.inertia * values * values)) / mass) if mass > 0.0 else 0.0
+        """Root of the mean square over the masses, of velocities or accelerations of all unknowns."""
+        mass = sum(float(kind.lengths()[0].sum()) for kind in self._layout.bodies)
+        squares = float(np.sum(self._motions.inertia * values * values))
+        return math.sqrt(squares / mass) if mass > 0.0 else 0.0
 
     def _acceleration(self) -> NDArray[np.float64]:
-        """Of all velocities at the present state; reactions of the rows are those of it."""
-        before = self._rows.survey()[2]
+        """Of all unknowns at the present state; reactions of the rows are those of it."""
+        before = self._motions.velocity
         found = []
         for step in (self._step, 0.5 * self._step, 0.25 * self._step):
             self._middle(self._time, step)
-            found.append((self._layout.work.velocity - before) * (2.0 / step))
+            found.append((self._motions.middle() - before) * (2.0 / step))
         if self._system is not None:
             self._system.rows["reaction"] = self._system.rows["impulse"] * (2.0 / step)
         return (8.0 * found[2] - 6.0 * found[1] + found[0]) / 3.0
 
-    def _at(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Rates of the states at deviations of them, and the record there, one behind the other."""
+    def _at(self, x: NDArray[np.float64], u: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Rates of the states at deviations of them and of the inputs, and the record there, one behind the other."""
         self._kept.put_back()
-        rows, free, n = self._rows, self._free, len(self._w)
-        z, w, m = x[:n], x[n : 2 * n], x[2 * n :]
+        motions, free, drivers, n = self._motions, self._free, self._drivers, len(self._w)
+        z, w, places, m = np.split(x, [n, 2 * n, 2 * n + len(drivers.places)])
         increment = free.N @ z
-        if z.any():
-            rows.move(increment)
-            rows.start()
+        drivers.act(places, u)
+        if z.any() or places.any():
+            motions.move(increment)
+            self._rows.start()
             free.close()
         free.put_velocity(self._w + w)
         self._memory.put(self._m + m)
-        speed = rows.survey()[2] - self._velocity
-        for first in rows.frame_starts:  # in axes that turn
+        speed = motions.velocity - self._velocity
+        for first in motions.firsts:  # in axes that turn
             spin = self._velocity[first + 3 : first + 6]
             speed[first + 3 : first + 6] -= np.cross(spin, increment[first + 3 : first + 6])
         self._all = self._acceleration()
         chosen = free.chosen
-        rates = [speed[chosen], self._all[chosen], self._memory.rates()]
+        rates = [speed[chosen], self._all[chosen], drivers.speeds(u), self._memory.rates()]
         self._record(self._time, self._row)
         return np.concatenate([*rates, self._row])
 
     def linearise(self, columns: _Columns) -> Linearisation:
-        """Differences by all states."""
-        n, more = len(self._w), len(self._m)
-        count = 2 * n + more
+        """Differences by all states and inputs."""
+        n, more, drivers = len(self._w), len(self._m), self._drivers
+        count, given = 2 * n + len(drivers.places) + more, len(drivers.columns)
         steps = self._steps()
         rates = DIFFERENCE / self._difference * VELOCITY * np.maximum(1.0, np.abs(self._w))
-        scale = np.concatenate([steps, rates * steps, np.full(more, self._difference * self._size)])
+        places = drivers.place_steps(self._difference, self._size)
+        by_inputs = drivers.steps(self._weight(), self._size)
+        scale = np.concatenate(
+            [steps, rates * steps, places, np.full(more, self._difference * self._size), by_inputs]
+        )
+        nothing = np.zeros(count), np.zeros(given)
+        if self._scene.touches:
+            near = NEAR * self._difference * self._size
+            check_open(self._scene, self._channels, self._at(*nothing)[count:], near)
         while True:
-            base = self._at(np.zeros(count))
+            base = self._at(*nothing)
             residual = self._mean(self._all)
-            M = np.zeros((len(base), count))
+            M = np.zeros((len(base), count + given))
             suspects = []
             for k in range(count):
-                M[:, k], first, second = self._difference_by(k, scale[k], base)
-                suspects.append((float(np.abs(first / steps).max()), float(np.abs(second / steps).max())))
-            A, C = M[:count], M[count:]
-            if self._is_short_for(A):
+                M[:, k], first, second = self._difference_by(k, scale, base)
+                suspects.append(
+                    tuple(float(np.abs(part / steps).max(initial=0.0)) for part in (first, second))
+                )
+            fastest = float(np.abs(np.linalg.eigvals(M[:count, :count])).max(initial=0.0))
+            if self._is_short_for(fastest):
                 break
+        corners = self._corners(suspects, scale, base, steps)
+        # speeds of inputs are differences of places over a step: the longer, the less they are rounded
+        self._step = max(self._step, min(STEP_MOVING, RESOLVED / max(fastest, 1.0)))
+        for k in range(count, count + given):
+            M[:, k], _, _ = self._difference_by(k, scale, base)
+        A, B, C, D = M[:count, :count], M[:count, count:], M[count:, :count], M[count:, count:]
         states, units = self._names()
         rate = math.sqrt(self._gravity / self._size) if self._gravity > 0.0 else 1.0
-        sizes = np.concatenate([steps, rate * steps, scale[2 * n :]]) / self._difference
-        values, vectors, parts, zeros = find_modes(A, sizes, max(SLOWEST * rate, self._noise()))
-        corners = self._corners(suspects, scale, base, steps)
-        vectors = self._normalised(C[:, :n], vectors)
-        shapes, participation = self._shapes(C[:, :n], vectors[:n])
+        sized = np.concatenate([steps, rate * steps, scale[count - more : count]]) / self._difference
+        own = np.r_[: 2 * n, count - more : count]  # places of what is driven stay
+        values, found, parts, zeros = find_modes(
+            A[np.ix_(own, own)], sized, max(SLOWEST * rate, self._noise())
+        )
+        vectors = np.zeros((count, len(values)), dtype=np.complex128)
+        vectors[own] = found
+        vectors = self._normalised(C, vectors)
+        shapes, participation = self._shapes(C, vectors)
         return Linearisation(
             time=self._time,
             A=A,
-            B=np.zeros((count, 0)),
+            B=B,
             C=C[columns.places],
-            D=np.zeros((len(columns.places), 0)),
+            D=D[columns.places],
             states=states,
             state_units=units,
-            inputs=(),
-            input_units=(),
+            inputs=tuple(drivers.columns),
+            input_units=tuple(drivers.units),
             outputs=columns.names,
             output_units=columns.units,
             eigenvalues=values,
@@ -316,26 +366,32 @@ class _Probe:
             participation=participation,
             water=parts[2 * n :].sum(axis=0),
             water_states=more,
+            driven_states=len(drivers.places),
             residual=residual,
             speed=self._mean(self._velocity),
             warnings=self._warnings(residual, [states[k] for k in corners]),
         )
 
-    def _is_short_for(self, A: NDArray[np.float64]) -> bool:
-        """Whether the step resolves the fastest eigenvalue; else a shorter one is to be tried."""
-        fastest = float(np.abs(np.linalg.eigvals(A)).max(initial=0.0))
+    def _weight(self) -> float:
+        """A force that is large in the scene [N]."""
+        mass = sum(float(kind.lengths()[0].sum()) for kind in self._layout.bodies)
+        return mass * max(self._gravity, 1.0)
+
+    def _is_short_for(self, fastest: float) -> bool:
+        """Whether the step resolves an eigenvalue; else a shorter one is to be tried."""
         if fastest * self._step <= RESOLVED or self._step <= SHORTEST:
             return True
         self._step = max(RESOLVED / (2.0 * fastest), SHORTEST)
         return False
 
     def _difference_by(
-        self, k: int, step: float, base: NDArray[np.float64]
+        self, k: int, scale: NDArray[np.float64], base: NDArray[np.float64], part: float = 1.0
     ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-        """Derivatives by a state, and first and second differences of the accelerations."""
-        x = np.zeros(2 * len(self._w) + len(self._m))
-        x[k] = step
-        ahead, behind = self._at(x), self._at(-x)
+        """Derivatives by a state or input, and first and second differences of the accelerations."""
+        deviation = np.zeros(len(scale))
+        deviation[k] = step = part * scale[k]
+        x, u = np.split(deviation, [len(scale) - len(self._drivers.columns)])
+        ahead, behind = self._at(x, u), self._at(-x, -u)
         accelerations = slice(len(self._w), 2 * len(self._w))
         first, second = ahead - behind, ahead + behind - 2.0 * base
         return first / (2.0 * step), first[accelerations], second[accelerations]
@@ -347,7 +403,7 @@ class _Probe:
 
     def _corners(
         self,
-        suspects: list[tuple[float, float]],
+        suspects: list[tuple[float, ...]],
         scale: NDArray[np.float64],
         base: NDArray[np.float64],
         steps: NDArray[np.float64],
@@ -362,7 +418,7 @@ class _Probe:
         found = []
         for k, (first, second) in enumerate(suspects):
             if second > ONE_SIDED * first + noise:
-                half = float(np.abs(self._difference_by(k, 0.5 * scale[k], base)[2] / steps).max())
+                half = float(np.abs(self._difference_by(k, scale, base, 0.5)[2] / steps).max())
                 if abs(half / second - 0.5) < 0.1:
                     found.append(k)
         return found
@@ -380,6 +436,8 @@ class _Probe:
                 f"the state moves at {speed:.3g} m/s in the mean over the masses: the matrices are those of this"
                 " instant"
             )
+        if self._drivers.left_out:
+            found.append(f"no columns of {quoted(self._drivers.left_out)}, which have no linear motion here")
         if bent:
             found.append(
                 f"forces change otherwise forwards than backwards with {quoted(bent)}, as of a rope that is just"
@@ -389,78 +447,79 @@ class _Probe:
 
     def _normalised(self, C: NDArray[np.float64], vectors: NDArray[np.complex128]) -> NDArray[np.complex128]:
         """Eigenvectors with a largest displacement or rotation of a body of 1 m or 1 rad, and real there."""
-        shapes, _ = self._shapes(C, vectors[: C.shape[1]])
-        every = [part.T for shape in shapes.values() for part in (shape.displacement, shape.rotation)]
+        shapes, _ = self._shapes(C, vectors)
+        every = [part for shape in shapes.values() for part in (shape.displacement, shape.rotation)]
         if not every or not vectors.shape[1]:
             return vectors
-        parts = np.vstack(every)
+        parts = np.vstack([part.reshape(len(part), -1).T for part in every])
         largest = parts[np.abs(parts).argmax(axis=0), np.arange(parts.shape[1])]
         return np.asarray(vectors / np.where(np.abs(largest) > 0.0, largest, 1.0))
 
     def _shapes(
-        self, C: NDArray[np.float64], z: NDArray[np.complex128]
+        self, C: NDArray[np.float64], vectors: NDArray[np.complex128]
     ) -> tuple[dict[str, BodyShape], dict[str, NDArray[np.float64]]]:
         """Displacements of bodies in the modes, and their parts of the kinetic energy."""
-        rows = self._rows
+        motions, z = self._motions, vectors[: len(self._w)]
         U = self._free.N @ z
-        energy = rows.inertia[:, None] * np.abs(U) ** 2
+        energy = motions.inertia[:, None] * np.abs(U) ** 2
         total = energy.sum(axis=0)
         total[total == 0.0] = 1.0
         energy /= total
         positions = {
-            channel.name.removesuffix(".position"): slice(channel.column, channel.column + 3)
+            channel.name.removesuffix(".position"): slice(
+                channel.column, channel.column + len(channel.components)
+            )
             for channel in self._channels
             if channel.name.endswith(".position")
         }
-        widths = np.bincount(rows.owner, minlength=len(self._places))
-        spins = set(rows.frame_starts.tolist())
         shapes, participation = {}, {}
         for number, name in enumerate(self._layout.body_names):
-            first, width = int(self._places[number, 0]), int(widths[number])
             moved = turned = np.zeros((3, z.shape[1]), dtype=np.complex128)
-            ends = [first, first, first, first + width]
+            own = np.flatnonzero(motions.owner == number)
+            within = motions.within[own]
             if name in positions:
-                moved = C[positions[name]] @ z
-            if first in spins:
-                ends[1:3] = first + 3, first + 6
-                turned = rotation_matrix(self._places[number, 4:8]) @ U[first + 3 : first + 6]
-            shapes[name] = BodyShape(moved.T, turned.T)
-            participation[name] = np.array([energy[i:j].sum(axis=0) for i, j in pairwise(ends)]).T
+                moved = C[positions[name]] @ vectors
+            spins = own[(within >= 3) & (within < 6)]
+            if spins.size:
+                turned = rotation_matrix(self._places[number, 4:8]) @ U[spins]
+            parts = (within >= 0) & (within < 3), (within >= 3) & (within < 6), (within < 0) | (within >= 6)
+            nodes = len(moved) // 3
+            displacement = moved.T if nodes == 1 else moved.T.reshape(len(moved.T), nodes, 3)
+            shapes[name] = BodyShape(displacement, turned.T)
+            participation[name] = np.array([energy[own[part]].sum(axis=0) for part in parts]).T
         return shapes, participation
 
     def _steps(self) -> NDArray[np.float64]:
         """Displacement of the difference quotients by state."""
-        rows, chosen = self._rows, self._free.chosen
-        within = chosen - rows.owner_starts[np.searchsorted(rows.owner_starts, chosen, side="right") - 1]
-        frame = np.isin(chosen - within, rows.frame_starts)
-        steps = np.full(len(chosen), self._size)
-        steps[frame & (within >= 3)] = 1.0
-        steps[frame & (within >= 6)] = self._size * math.sqrt(float(rows.inertia.max(initial=0.0)))
+        within, largest = (
+            self._motions.within[self._free.chosen],
+            float(self._motions.inertia.max(initial=0.0)),
+        )
+        steps = np.full(len(within), self._size)
+        steps[(within >= 3) & (within < 6)] = 1.0
+        steps[within >= 6] = self._size * math.sqrt(largest)
         return self._difference * steps
 
     def _names(self) -> tuple[tuple[str, ...], tuple[str, ...]]:
         """Of the states, and their units."""
-        rows, starts = self._rows, self._rows.owner_starts
-        frames = set(rows.frame_starts.tolist())
+        motions = self._motions
         places, speeds, units, rates = [], [], [], []
-        for column in self._free.chosen.tolist():
-            first = int(starts[np.searchsorted(starts, column, side="right") - 1])
-            body, k = self._layout.body_names[rows.owner[column]], column - first
-            if first not in frames:
-                places.append(f"{body}.node.{k // 3 + 1}.{'xyz'[k % 3]}")
-                speeds.append(f"{body}.node.{k // 3 + 1}.velocity.{'xyz'[k % 3]}")
-                units.append("m")
-                rates.append("m/s")
-            elif k < 6:
-                what, speed = (("", "velocity."), ("rotation.", "angular_velocity."))[k // 3]
-                places.append(f"{body}.{what}{'xyz123'[k]}")
-                speeds.append(f"{body}.{speed}{'xyz123'[k]}")
-                units.append("m" if k < 3 else "rad")
-                rates.append("m/s" if k < 3 else "rad/s")
+        for unknown in self._free.chosen.tolist():
+            body, name, k = (
+                self._layout.body_names[motions.owner[unknown]],
+                motions.names[unknown],
+                motions.within[unknown],
+            )
+            places.append(f"{body}.{name}")
+            if k >= 6:
+                speeds.append(f"{body}.{name.replace('position', 'velocity')}")
+            elif 3 <= k < 6:
+                speeds.append(f"{body}.{name.replace('rotation', 'angular_velocity')}")
             else:
-                places.append(f"{body}.modal_position.{k - 5}")
-                speeds.append(f"{body}.modal_velocity.{k - 5}")
-                units.append("kg^(1/2) m")
-                rates.append("kg^(1/2) m/s")
-        memory = tuple(self._memory.names)
-        return (*places, *speeds, *memory), (*units, *rates, *("m" for _ in memory))
+                speeds.append(f"{body}.velocity.{name}")
+            unit = "kg^(1/2) m" if k >= 6 else "rad" if 3 <= k < 6 else "1" if ".slope." in name else "m"
+            units.append(unit)
+            rates.append("1/s" if unit == "1" else f"{unit}/s")
+        memory, driven = self._memory.names, self._drivers
+        names = (*places, *speeds, *driven.places, *memory)
+        return names, (*units, *rates, *driven.place_units, *("m" for _ in memory))

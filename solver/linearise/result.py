@@ -30,7 +30,8 @@ class BodyShape:
     Attributes
     ----------
     displacement
-        Of its origin, which `position` records, world axes [m], shape (modes, 3).
+        Of its origin, which `position` records, world axes [m], shape (modes, 3); of frames, rods, shells and cables of
+        all nodes, shape (modes, nodes, 3).
     rotation
         World axes [rad], shape (modes, 3).
     """
@@ -69,6 +70,8 @@ class Linearisation:
         rotation and its deformation. Water that moves with a hull is left out.
     water, water_states
         Part that the memory of the water about hulls has in the modes, shape (modes,), and how many states it has.
+    driven_states
+        How many states are places of what inputs drive: modes are those with them as they are.
     residual
         Acceleration that is left at the state, root of its mean square over the masses [m/s2]; rounding in balance.
     speed
@@ -95,6 +98,7 @@ class Linearisation:
     participation: Mapping[str, NDArray[np.float64]]
     water: NDArray[np.float64]
     water_states: int
+    driven_states: int
     residual: float
     speed: float
     warnings: tuple[str, ...] = ()
@@ -120,7 +124,7 @@ class Linearisation:
     @property
     def of_bodies(self) -> NDArray[np.int64]:
         """Numbers of the modes that are motions of bodies, as many as these have, by the smallest part of the water."""
-        left = len(self.states) - self.water_states - self.zeros
+        left = len(self.states) - self.water_states - self.driven_states - self.zeros
         chosen = np.flatnonzero(self.eigenvalues == 0.0).tolist()
         moving = np.flatnonzero(self.eigenvalues != 0.0)
         for mode in moving[np.argsort(self.water[moving], kind="stable")].tolist():
@@ -181,7 +185,7 @@ class Linearisation:
         parts = []
         for name, shares in self.participation.items():
             shape = self.shapes[name]
-            along = "xyz"[int(np.abs(shape.displacement[mode]).argmax())]
+            along = "xyz"[int(np.abs(shape.displacement[mode]).reshape(-1, 3).max(axis=0).argmax())]
             about = "xyz"[int(np.abs(shape.rotation[mode]).argmax())]
             for way, share in zip((along, f"about {about}", "bending"), shares[mode], strict=True):
                 parts.append((float(share), f"{name} {way}"))

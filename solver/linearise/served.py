@@ -8,16 +8,18 @@ import numpy as np
 
 from heavylift.numerics.outcome import InputError
 from heavylift.solver.scene.connections import controlled, rubbing_places
-from heavylift.solver.scene.meshes import MeshBody
 from heavylift.solver.scene.scene import Scene
 from heavylift.solver.scene.sliding_joints import joint_friction
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Sequence
 
+    from numpy.typing import NDArray
+
+    from heavylift.solver.scene.channels import Channel
     from heavylift.solver.simulation import Simulation
 
-__all__ = ["check_served"]
+__all__ = ["check_open", "check_served"]
 
 
 def check_served(simulation: Simulation) -> None:
@@ -35,7 +37,7 @@ def check_served(simulation: Simulation) -> None:
     inertia = np.zeros(len(layout.work.velocity))
     for kind in layout.bodies:
         kind.survey(np.zeros((len(layout.body_names), 8)), inertia, np.zeros(len(inertia)))
-    if not inertia.any():
+    if not (inertia.any() or any(kind.NODAL for kind in layout.bodies)):
         reasons.append("nothing moves freely")
     if reasons:
         raise InputError(
@@ -46,16 +48,38 @@ def check_served(simulation: Simulation) -> None:
         )
 
 
+def check_open(scene: Scene, channels: Sequence[Channel], row: NDArray[np.float64], near: float) -> None:
+    """Refuse contacts that are closed, or nearly so: they hold on one side only.
+
+    Parameters
+    ----------
+    scene, channels, row
+        What is simulated, and a record of the state.
+    near
+        Gap [m] below which a contact may close with the displacements of a linearisation.
+
+    Raises
+    ------
+    InputError
+        Names the first of them.
+    """
+    columns = {channel.name: channel.column for channel in channels}
+    touching: tuple[Any, ...] = (*scene.contacts, *scene.collisions)
+    for one in touching:
+        force, gap = (float(row[columns[f"{one.name}.{what}"]]) for what in ("normal_force", "gap"))
+        if force != 0.0 or gap < near:
+            raise InputError(
+                f"{one.name!r} touches, or is about to, and then holds on one side only",
+                source="linearisation",
+                key="state",
+                expected="a state in which contacts and collisions are open",
+            )
+
+
 def _reasons(scene: Scene) -> Iterator[str]:
     """What cannot be served, in words."""
-    if scene.touches:
-        first: Any = (*scene.contacts, *scene.collisions)[0]
-        yield f"contact {first.name!r} opens and closes"
     if scene.transporters:
         yield f"transporter {scene.transporters[0].name!r} rides on bogies without mass"
-    for body in scene.bodies:
-        if isinstance(body, MeshBody):
-            yield f"{body.name!r} is a frame, rod or shell"
     for radiation in () if scene.sea is None else scene.sea.radiation:
         if radiation.memory == "direct":
             yield (

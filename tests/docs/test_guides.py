@@ -27,6 +27,7 @@ GUIDES = (
     "getting-started.md",
     "rigging.md",
     "equipment.md",
+    "fmi.md",
     "blocks.md",
     "coupling.md",
     "criteria.md",
@@ -36,6 +37,7 @@ GUIDES = (
     "glossary.md",
     "inputs.md",
     "inside.md",
+    "linearisation.md",
     "interface.md",
     "python.md",
     "transport.md",
@@ -169,6 +171,26 @@ def test_the_page_on_inputs_prints_what_it_shows(tmp_path, monkeypatch, capsys):
     (tmp_path / "crane" / "case.toml").write_text(case, encoding="utf-8")
     exec(compile(python, "inputs.md", "exec"), {})  # noqa: S102
     assert capsys.readouterr().out == shown
+
+
+def test_the_page_on_linearisation_prints_what_it_shows(tmp_path, monkeypatch, capsys):
+    """Its commands and its Python run in order."""
+    folder = tmp_path / "work"
+    folder.mkdir()
+    monkeypatch.chdir(folder)
+    names: dict[str, object] = {}
+    said, shown = "", []
+    for language, text in blocks(DOCS / "linearisation.md"):
+        if language == "sh":
+            said, _ = shell(text, folder)
+        elif language == "python":
+            capsys.readouterr()
+            exec(compile(text, "linearisation.md", "exec"), names)  # noqa: S102
+            said = capsys.readouterr().out
+        else:
+            assert text in said
+            shown.append(text)
+    assert len(shown) == 4
 
 
 def test_getting_started_ends_with_the_case_that_the_package_brings(tmp_path):

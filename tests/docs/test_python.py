@@ -5,6 +5,8 @@ from __future__ import annotations
 import doctest
 import re
 import shutil
+import subprocess
+import sys
 from enum import IntEnum
 
 import pytest
@@ -105,3 +107,19 @@ def test_what_is_public_has_an_example_that_runs(name, folder, monkeypatch):
         one.globs = {}
         runner.run(one)
     assert runner.failures == 0
+
+
+@pytest.mark.slow
+def test_the_examples_have_the_types_that_editors_see(tmp_path):
+    pytest.importorskip("mypy")
+    blocks = re.findall(r"^```python\n(.*?)^```", PAGE.read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL)
+    program, wrong = tmp_path / "guide.py", tmp_path / "wrong.py"
+    program.write_text("\n".join(blocks), encoding="utf-8")
+    wrong.write_text(
+        'import heavylift as hl\n\nhl.Rope("hoist", pth=[], axial_stiffness="1 MN")\n', encoding="utf-8"
+    )
+    command = [sys.executable, "-m", "mypy", str(program), str(wrong)]
+    found = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
+    errors = [line for line in found.stdout.splitlines() if ": error:" in line]
+    assert len(errors) == 1, found.stdout + found.stderr
+    assert 'Unexpected keyword argument "pth" for "Rope"; did you mean "path"?' in errors[0]

@@ -3,6 +3,7 @@
 import math
 import re
 from itertools import pairwise
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -235,3 +236,73 @@ def test_a_value_beyond_the_limits_of_an_input_ends_the_run(write):
     report = run_case(case, stages=("simulate",))
     assert report.outcome is Outcome.BAD_INPUT
     assert re.match(r"t = 0 s: .*push", report.message), report.message
+
+
+def test_an_exchange_that_does_not_settle_ends_the_run(write):
+    case = load_case(write(ITERATED, ("stiffness = 4e4", "stiffness = 4e7"), ("limit = 1e6", "limit = 1e99")))
+    report = run_case(case, stages=("simulate",))
+    assert report.outcome is Outcome.NOT_CONVERGED
+    assert re.match(
+        r"t = 0 s: what 'hold' gives to 'the scene' \(force to push\) still changes by", report.message
+    ), report.message
+    assert len(load_results(case).time) == 1
+
+
+def test_an_input_of_an_fmu_is_not_set_by_others(write):
+    import heavylift as hl
+
+    sim = hl.Simulation(write())
+    sim.step(0.1)
+    with pytest.raises(
+        InputError, match="'push' is written by FMU 'hold'; expected an input that no FMU writes"
+    ):
+        sim.step(0.1, {"push": 1.0})
+    assert sim.time == pytest.approx(0.1)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("coupling", "order"), [("sequential", 1), ("iterated", 2)])
+def test_a_case_is_a_unit_in_another_case(tmp_path, coupling, order):
+    """The two coupled masses, the second one as a unit, against the closed form of both."""
+    from scipy.linalg import expm
+
+    from heavylift.pipeline.exchange.fmu_export import export_fmu
+
+    pytest.importorskip("msgpack")
+    masses = Path(__file__).parents[3] / "cases" / "coupled_masses"
+    text = (
+        (masses / "first" / "case.toml")
+        .read_text(encoding="utf-8")
+        .replace("direction = [1,", "direction = [-1,")
+    )
+    text += f"""
+[[fmus]]
+name = "second"
+file = "second.fmu"
+sample_time = "12.5 ms"
+reads = {{ speed = "m1.velocity.x" }}
+writes = {{ "end.reaction_force.x" = "push" }}
+coupling = "{coupling}"
+"""
+    (tmp_path / "case.toml").write_text(text, encoding="utf-8")
+    export_fmu(masses / "second", 2, out=tmp_path / "second.fmu")
+    m, n, k, j, b, c = 1e3, 500.0, 40e3, 20e3, 60e3, 400.0
+    both = np.array(
+        [
+            [0, 1, 0, 0],
+            [-(k + b) / m, -c / m, b / m, c / m],
+            [0, 0, 0, 1],
+            [b / n, c / n, -(j + b) / n, -c / n],
+        ]
+    )
+    errors = []
+    for interval in ("12.5 ms", "6.25 ms", "2.5 ms"):
+        changes = [f"fmus.0.sample_time={interval}", "simulate.output_interval=12.5 ms"]
+        case = load_case(tmp_path, changes)
+        report = run_case(case, stages=("simulate",), force=("simulate",))
+        assert report.outcome is Outcome.COMPLETED, report.message
+        results = load_results(case)
+        exact = np.array([(expm(both * t) @ [0.1, 0, 0, 0])[0] for t in results.time])
+        errors.append(float(np.abs(results["m1.position"][:, 0] - exact).max()))
+    found = [math.log2(errors[0] / errors[1]), math.log(errors[1] / errors[2], 2.5)]
+    assert found == pytest.approx([order, order], abs=0.2), errors

@@ -112,30 +112,51 @@ def test_each_method_has_its_order(method, order):
     assert found == pytest.approx([order, order], abs=0.2), errors
 
 
+class Times:
+    """Gives a multiple of what it gets, and one more."""
+
+    def __init__(self, factor):
+        self.factor, self.value = factor, 1.0
+
+    def set(self, values, rates):
+        self.told = values["u"], rates["u"]
+
+    def step(self, _time, dt):
+        self.value = self.factor * (self.told[0] + self.told[1] * dt) + 1.0
+
+    def outputs(self):
+        return {"y": self.value}
+
+    def save(self):
+        return self.value
+
+    def restore(self, state):
+        self.value = state
+
+
+BOTH = [Link("a", "y", "b", "u"), Link("b", "y", "a", "u")]
+
+
+@pytest.mark.parametrize("factor", [0.5, -2.0, -30.0])
+def test_an_exchange_settles_whatever_comes_back(factor):
+    """``a = f b + 1, b = f a + 1``: a = b = 1/(1 - f), by what was measured of the loop within a few repetitions."""
+    systems = {"a": Times(factor), "b": Times(factor)}
+    master = Master(systems, BOTH, "iterated")
+    for k in range(5):
+        master.step(0.1 * k, 0.1)
+        assert [one.value for one in systems.values()] == pytest.approx([1.0 / (1.0 - factor)] * 2, abs=4e-9)
+    assert master.iterations <= 10
+    other = Master(systems, BOTH, "iterated")
+    other.memory = master.memory
+    assert other.memory == master.memory
+    other.step(0.5, 0.1)
+    assert other.iterations <= 2
+
+
 def test_an_exchange_that_does_not_settle_ends_with_its_link():
-    class Doubles:
-        """Gives -2 times what it gets: no repetition of the two comes to an end."""
-
-        value = 1.0
-
-        def set(self, values, rates):
-            self.told = values["u"], rates["u"]
-
-        def step(self, _time, dt):
-            self.value = -2.0 * (self.told[0] + self.told[1] * dt) + 1.0
-
-        def outputs(self):
-            return {"y": self.value}
-
-        def save(self):
-            return self.value
-
-        def restore(self, state):
-            self.value = state
-
-    links = [Link("a", "y", "b", "u"), Link("b", "y", "a", "u")]
+    """``a = b + 1, b = a + 1`` has no solution."""
     with pytest.raises(StopError, match=r"'[ab]' gives to '[ab]' \(y to u\) still changes") as stop:
-        Master({"a": Doubles(), "b": Doubles()}, links, "iterated").step(0.0, 0.1)
+        Master({"a": Times(1.0), "b": Times(1.0)}, BOTH, "iterated").step(0.0, 0.1)
     assert stop.value.outcome is Outcome.NOT_CONVERGED
 
 

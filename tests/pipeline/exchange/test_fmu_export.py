@@ -34,6 +34,9 @@ CASES = (
     "spmt_bump",  # a transporter
     "hanging_cable",  # a cable of elements
 )
+EXCHANGE = ROOT / "pipeline" / "exchange"
+WARNINGS = ("-Wall", "-Wextra", "-Werror", "-Wconversion", "-Wshadow")
+CLEAN = ("-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-g")
 WINCH, GUST = 1, 2  # value references of the inputs of the driven hoist
 
 
@@ -213,6 +216,42 @@ def test_a_machine_without_a_compiler_is_told(tmp_path, monkeypatch):
     with pytest.raises(InputError, match="false does not compile the library: exit code 1"):
         export_fmu(DRIVEN, out=tmp_path / "driven.fmu")
     assert not (tmp_path / "driven.fmu").exists()
+
+
+def test_the_library_touches_no_memory_that_is_not_its_own(tmp_path):
+    file, program = export_fmu(DRIVEN, 3, out=tmp_path / "driven.fmu"), tmp_path / "host"
+    source = str(Path(__file__).parent / "fmu_host.c")
+    command = ["cc", "-std=c99", *WARNINGS, "-DFMI=3", "-I", str(EXCHANGE), source, "-o", str(program), "-lm"]
+    if subprocess.run([*command, *CLEAN], capture_output=True, check=False).returncode:
+        subprocess.run([*command, "-O2"], check=True)  # a compiler without these checks
+    fmpy.extract(str(file), str(tmp_path / "unit"))
+    token = fmpy.read_model_description(str(file)).guid
+    done = subprocess.run(
+        [program, tmp_path / "unit" / "resources", token],
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=100,
+    )
+    assert (done.returncode, done.stderr) == (0, "")
+    lines = [line for line in done.stdout.splitlines() if not line.startswith("3 logStatusError")]
+    assert lines == ["3 3 3 3 3", "same bits", "none"]
+    assert "bytes for a state of" in done.stdout
+    assert "the token another is not that of this unit" in done.stdout
+
+
+def test_the_library_compiles_without_warnings_for_both_versions(tmp_path):
+    for fmi in ("2", "3"):
+        command = [
+            "cc",
+            "-c",
+            "-fPIC",
+            "-std=c99",
+            *WARNINGS,
+            f"-DFMI={fmi}",
+            str(EXCHANGE / "heavylift_fmu.c"),
+        ]
+        subprocess.run([*command, "-o", str(tmp_path / "unit.o")], check=True)
 
 
 def test_names_are_structured():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 import re
 import tomllib
 from pathlib import Path
@@ -119,6 +120,18 @@ def test_changes_keep_comments_and_are_those_of_the_command_line(tmp_path):
     assert [one.name for one in saved.criteria] == [one.name for one in other.criteria if one.name != "rise"]
     assert [one.name for one in saved.sensors] == ["corner"]
     assert saved.converge is None
+
+
+def test_what_python_takes_for_equal_is_written_as_it_is(tmp_path):
+    model = hl.load(CASES / "hoist")
+    assert model.document["converge"]["relative"] is False
+    model.set("converge.relative", 0)
+    model.set("check.error.reference", 0)  # was 0.0
+    file = model.save(tmp_path)
+    text = file.read_text(encoding="utf-8")
+    assert "relative = 0\n" in text
+    assert "reference = 0\n" in text
+    assert repr(hl.load(file).document) == repr(model.document)
 
 
 def test_entries_of_lists_are_set_by_name_on_the_command_line_too():
@@ -255,6 +268,9 @@ def test_a_file_that_is_missing_is_told(tmp_path):
     assert not (tmp_path / "case").exists()
     with pytest.raises(hl.InputError, match="does not exist"):
         hl.load(tmp_path / "nowhere")
+    (tmp_path / "no.stl").write_text("no triangles", encoding="utf-8")
+    model.add(hl.Simulate(step="10 ms", duration="1 s", output_interval="0.1 s"))
+    assert "Surface('s').file: no.stl: contains no triangle" in message(model.run)
 
 
 def test_a_model_without_a_run_has_no_records_but_a_verdict():
@@ -308,3 +324,18 @@ def test_what_equipment_writes_is_renamed_with_it():
     assert list(case.hulls) == ["barge"]
     assert case.criteria[0].reach.tip.body == "lifter_boom"
     assert "lifter_hook_1_rope" in {rope.name for rope in case.ropes}
+
+
+def test_a_model_goes_through_a_pickle_with_its_components():
+    model = pendulum()
+    other = pickle.loads(pickle.dumps(model))  # noqa: S301
+    assert other.document == model.document
+    assert type(other["line"]) is hl.Rope
+    other["line"].length = "5 m"
+    assert (other.case().ropes[0].length, model["line"].length) == (5.0, "4 m")
+    assert "test_model.py:" in message(lambda: other.add(hl.Sensor("line", body="bob", point=[0, 0, 0])))
+    other.add(hl.Sensor("a", body="no", point=[0, 0, 0]), hl.Sensor("b", body="none", point=[0, 0, 0]))
+    with pytest.raises(hl.InputError) as caught:
+        other.case()
+    assert len(str(caught.value).splitlines()) == 2
+    assert str(pickle.loads(pickle.dumps(caught.value))) == str(caught.value)  # noqa: S301

@@ -25,6 +25,7 @@ def test_all_names_are_there_and_in_the_stub():
         for node in ast.parse(STUB.read_text(encoding="utf-8")).body
         if isinstance(node, ast.Assign) and getattr(node.targets[0], "id", "") == "__all__"
     ]
+    assert listed == hl.__all__
     assert set(listed) <= set(dir(hl))
     for name in listed:
         assert getattr(hl, name).__name__ == name

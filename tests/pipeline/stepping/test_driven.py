@@ -67,7 +67,7 @@ def test_a_log_is_replayed_with_the_same_bits(sim, tmp_path):
 def test_what_was_set_behind_a_state_is_forgotten_with_it(sim):
     sim.step(0.5, {"push": 1.0})
     sim.set("ramp", 0.0, rate=1.0, until=1.0)
-    state = sim.save()
+    state = hl.State.from_bytes(sim.save().to_bytes())
     count = len(sim.input_log)
     sim.set("push", 7.0)
     sim.step(0.5)
@@ -77,7 +77,7 @@ def test_what_was_set_behind_a_state_is_forgotten_with_it(sim):
     sim.step(0.5)
     copy = sim.copy()
     other = hl.Simulation(sim.case)
-    other.restore(hl.State.from_bytes(state.to_bytes()))
+    other.restore(state)
     other.step(0.5)
     assert np.array_equal(other.row, sim.row)
     for one in (sim, copy, other):
@@ -129,41 +129,87 @@ def test_results_tell_what_drove_them(sim, tmp_path):
     assert load_results(case, tmp_path / "out")["push.value"].max() == 0.0
 
 
-def test_histories_are_those_of_what_led_to_the_state(sim):
-    """Also of a state on a branch that was left, and of one that comes from elsewhere."""
-    sim.step(0.5, {"push": 1.0})
-    fork = sim.save()
-    sim.step(0.5, {"push": 2.0})
-    left, row = sim.save(), sim.row.copy()
-    sim.restore(fork)
-    sim.step(1.0, {"push": -3.0})
-    assert sim.results()["push.value"][-1] == -3.0
-    sim.restore(left)
-    assert np.array_equal(sim.row, row)
-    results = sim.results()
-    assert results.time == pytest.approx(np.arange(21) * 0.05)
-    assert [change.value for change in sim.input_log] == [1.0, 2.0]
-    held = np.where(
-        results.time < 0.5 - 1e-9, 1.0, 2.0
-    )  # the record at 0.5 s was made before it was set again
-    assert results["push.value"][1:11] == pytest.approx(1.0)
-    assert results["push.value"][11:] == pytest.approx(held[11:])
-    sim.restore(hl.State.from_bytes(left.to_bytes()))
-    sim.step(0.5)
-    assert sim.results().time == pytest.approx(1.0 + np.arange(11) * 0.05)
-    assert sim.input_log == []
+def test_a_state_takes_its_own_past_along(sim):
+    """Of two ways from one state: who goes back to the end of the first one has its records and its log."""
+    begin = sim.save()
+    sim.step(1.0, {"push": 4.0})
+    first, records = sim.save(), sim.results()["cart.position"]
+    sim.restore(begin)
+    sim.step(1.0, {"push": -4.0})
+    for restored in (sim, sim.copy()):
+        restored.restore(first)
+        assert np.array_equal(restored.results()["cart.position"], records)
+        assert [row.value for row in restored.input_log] == [4.0]
+    sim.restore(begin)
+    sim.restore(first)
+    assert np.array_equal(sim.results()["cart.position"], records)
 
 
-def test_results_that_begin_elsewhere_are_none_of_the_whole_run(sim, tmp_path):
-    """Nothing was set, but what came before is not here: simulate makes the run anew."""
-    there = hl.Simulation(sim.case)
-    there.step(2.0)
-    sim.restore(hl.State.from_bytes(there.save().to_bytes()))
-    sim.step(2.0)
-    report = sim.write_results(tmp_path / "out")
-    assert report.outcome is hl.Outcome.COMPLETED
-    kept = load_results(load_case(tmp_path), tmp_path / "out")
-    assert (kept.time[0], kept.time[-1]) == pytest.approx((2.0, 4.0))
-    again = run_case(load_case(tmp_path), out=tmp_path / "out", stages=("simulate",))
-    assert not again.stages[-1].skipped
-    assert load_results(load_case(tmp_path), tmp_path / "out").time[0] == 0.0
+def test_records_behind_a_written_state_are_those_of_a_run_that_was_driven_alike(sim):
+    sim.step(1.0, {"push": 4.0})
+    written = hl.State.from_bytes(sim.save().to_bytes())
+    alike, other = sim.copy(), hl.Simulation(sim.case)
+    alike.step(1.0, {"push": 1.0})
+    alike.restore(written)
+    assert np.array_equal(alike.results()["cart.position"], sim.results()["cart.position"])
+    other.step(2.0, {"push": -4.0})
+    other.restore(written)
+    results = other.results()
+    assert results.time.tolist() == [1.0]
+    assert results["cart.position"][-1].tolist() == sim["cart.position"].tolist()
+    unknown = sim.copy()
+    unknown.restore(hl.State(written.arrays))
+    assert unknown.results().time.tolist() == [1.0]
+
+
+def test_results_behind_a_foreign_state_are_not_those_of_the_case(sim, tmp_path):
+    """What drove the first half is not in the log of the second one, and yet it has driven."""
+    sim.step(2.0, {"push": 4.0})
+    other = hl.Simulation(sim.case)
+    other.restore(hl.State.from_bytes(sim.save().to_bytes()))
+    other.step(2.0)
+    assert other.input_log == []
+    other.write_results(tmp_path / "out")
+    case = load_case(sim.case.folder)
+    assert not run_case(case, out=tmp_path / "out", stages=("simulate",)).stages[0].skipped
+    assert load_results(case, tmp_path / "out")["push.value"].max() == 0.0
+
+
+def test_a_part_of_a_run_replaces_the_results_of_another_one(sim, tmp_path):
+    case = load_case(sim.case.folder)
+    run_case(case, out=tmp_path / "out", stages=("simulate",))
+    sim.step(1.0, {"push": 4.0})
+    assert sim.write_results(tmp_path / "out").outcome is hl.Outcome.INTERRUPTED
+    assert load_results(case, tmp_path / "out").time[-1] == 1.0
+
+
+def test_numbers_of_numpy_are_numbers(sim):
+    other = sim.copy()
+    sim.step(1.0, {"push": 4.0, "ramp": 6.0})
+    other.step(1.0, {"push": np.array(4.0), "ramp": np.array(6.0)})
+    assert np.array_equal(other.row, sim.row)
+
+
+def test_without_a_history_nothing_is_kept(sim):
+    lean = hl.Simulation(sim.case, history=False)
+    for one in (sim, lean):
+        one.step(1.0, {"push": 4.0})
+    assert np.array_equal(lean.row, sim.row)
+    assert lean.input_log == []
+    with pytest.raises(hl.InputError, match="there are no records; expected a simulation with 'history'"):
+        lean.results()
+    sim.restore(hl.State.from_bytes(lean.save().to_bytes()))  # and yet it knows what drove it
+    assert len(sim.results().time) == 21
+
+
+def test_a_state_of_other_inputs_is_refused(sim, tmp_path):
+    """The same body and as many inputs, in another order: the push would become the ramp."""
+    sim.step(0.5, {"push": 4.0})
+    text = sim.case.file.read_text()
+    head, first, second = text.split("[[inputs]]")
+    (tmp_path / "other").mkdir()
+    (tmp_path / "other" / "case.toml").write_text(f"{head}[[inputs]]{second}[[inputs]]{first}")
+    other = hl.Simulation(tmp_path / "other")
+    with pytest.raises(hl.InputError, match="the state does not fit this scene"):
+        other.restore(sim.save())
+    assert other.inputs["ramp"].value == 0.0

@@ -17,6 +17,7 @@ from heavylift.solver.inputs.drives import (
     FrameAngleInput,
     FramePositionInput,
     FrameSpeedInput,
+    FrameTurnRateInput,
 )
 from heavylift.solver.inputs.winches import WinchLengthInput, WinchSpeedInput
 from heavylift.solver.inputs.wind import FluidDirectionInput, FluidSpeedInput
@@ -24,7 +25,7 @@ from heavylift.solver.joints.hinge import Hinge
 from heavylift.solver.scene.connections import Winch
 from heavylift.solver.scene.scene import Driven, Fixed, Profile, Scene
 from heavylift.solver.scene.sea import Sea, Water
-from heavylift.solver.scene.wind_loads import DragElement, WindField
+from heavylift.solver.scene.wind_loads import CurrentField, DragElement, Veering, WindField
 from heavylift.solver.simulation import Simulation
 
 TIMES, SPEEDS = np.array([0.0, 0.3, 0.6, 1.0]), np.array([0.0, 0.4, 0.4, -0.2])
@@ -101,7 +102,7 @@ def test_followers_of_a_winch_do_as_it_does() -> None:
     assert "the winch of 'other' has hauled in" in simulation.message
 
 
-def blown(speed: float, direction: float, **more: Any) -> Scene:
+def blown(speed: float, direction: Any, **more: Any) -> Scene:
     """A plate in the wind."""
     wind = WindField(speed=speed, direction=direction, gust=60.0)
     load = DragElement(
@@ -195,3 +196,57 @@ def test_what_only_one_integrator_follows_is_refused_elsewhere(integrator: str) 
     with pytest.raises(InputError, match="drive"):
         Simulation(scene, 0.1, integrator)
     assert Simulation(scene, 0.1, "auto").integrator == "dele2"
+
+
+@pytest.mark.parametrize("integrator", ["dele2", "accurate"])
+def test_a_direction_that_veers_is_that_of_a_table(integrator: str) -> None:
+    """Set where it begins to veer, in the middle of a run."""
+    table = Veering(times=np.array([0.3, 0.8]), angles=np.array([0.1, 1.1]))
+    one = Simulation(blown(20.0, table), 0.1, integrator)
+    other = Simulation(blown(20.0, 0.1, inputs=(FluidDirectionInput(name="veer"),)), 0.1, integrator)
+    expected, found = one.advance(12)[1], driven(other, {3: ("veer", 0.1, 2.0, 0.8)}, 12)
+    for name in ("wind.direction", "drag.force", "load.velocity"):
+        np.testing.assert_allclose(
+            column(other, name, found), column(one, name, expected), rtol=1e-7, atol=1e-9
+        )
+
+
+def test_a_current_flows_as_fast_as_its_input() -> None:
+    def scene(speed: float, **more: Any) -> Scene:
+        load = DragElement(
+            name="drag",
+            fluid="current",
+            body="load",
+            point=np.array([0.0, 0.0, -5.0]),
+            area=5.0,
+            coefficient=1.2,
+        )
+        sea = Sea(water=Water(), fields=(CurrentField(speed=speed),), loads=(load,))
+        return Scene((replace(LOAD, mass=1e5, inertia=1e7 * np.eye(3)),), sea=sea, **more)
+
+    simulation = Simulation(scene(0.5, inputs=(FluidSpeedInput(name="flow", fluid="current"),)), 0.1)
+    simulation.set_input("flow", 1.5)
+    one = Simulation(scene(1.5), 0.1)
+    np.testing.assert_array_equal(
+        column(simulation, "drag.force", simulation.advance(5)[1]),
+        column(one, "drag.force", one.advance(5)[1]),
+    )
+    other = Simulation(scene(0.5, inputs=(FluidSpeedInput(name="flow", fluid="current"),)), 0.1)
+    other.restore(simulation.state())
+    np.testing.assert_array_equal(other.advance(5)[1], simulation.advance(5)[1])
+    assert simulation.inputs["flow"].largest == 10.0
+
+
+def test_a_wind_that_fluctuates_or_veers_is_not_driven() -> None:
+    table = Veering(times=np.array([0.3, 0.8]), angles=np.array([0.1, 1.1]))
+    with pytest.raises(InputError, match=r"the direction of 'wind' is a table, or fluctuates"):
+        Simulation(blown(20.0, table, inputs=(FluidDirectionInput(name="veer"),)), 0.1)
+
+
+def test_a_frame_turns_at_the_rate_of_its_input() -> None:
+    motion = Driven(axis=(0.0, 0.0, 1.0), angle=STANDING)
+    turn = FrameTurnRateInput(name="turn", body="load", value=0.1)
+    simulation = Simulation(Scene((replace(LOAD, motion=motion),), inputs=(turn,)), 0.01)
+    found = driven(simulation, {50: ("turn", -0.4)}, 100)
+    q = column(simulation, "load.orientation", found)
+    np.testing.assert_allclose(2.0 * np.arctan2(q[[49, 99], 3], q[[49, 99], 0]), [0.05, -0.15], rtol=1e-9)

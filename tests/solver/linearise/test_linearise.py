@@ -8,17 +8,21 @@ from typing import Any
 
 import numpy as np
 import pytest
-from scipy.linalg import eigh
+from scipy.linalg import eigh, expm
 from start_scenes import joint, linkage, parallelograms
 
 from heavylift.numerics.outcome import InputError
 from heavylift.solver.force_elements.wire_rope import Rope
 from heavylift.solver.forces.spring import Spring
+from heavylift.solver.inputs.drives import FramePositionInput, FrameSpeedInput
+from heavylift.solver.inputs.force import ForceInput
+from heavylift.solver.inputs.winches import WinchLengthInput, WinchSpeedInput
 from heavylift.solver.joints.ball import Ball
+from heavylift.solver.joints.fixed import FixedJoint
 from heavylift.solver.linearise.linearise import linearise
 from heavylift.solver.linearise.result import Linearisation
-from heavylift.solver.scene.connections import GROUND, RopePoint
-from heavylift.solver.scene.scene import Gravity, RigidBody, Scene
+from heavylift.solver.scene.connections import GROUND, RopePoint, Winch
+from heavylift.solver.scene.scene import Fixed, Gravity, RigidBody, Scene
 from heavylift.solver.simulation import Simulation
 
 G = 9.81
@@ -255,3 +259,103 @@ def test_unknown_output() -> None:
     k = EA * (1.0 + MASS * G / EA) / 7.0
     assert found.C[0, found.states.index("load.z")] == pytest.approx(-k, rel=1e-8)
     assert found.C[1, found.states.index("load.z")] == pytest.approx(1.0, rel=1e-9)
+
+
+def hoisted(*inputs: Any, damping: float = 0.0) -> Scene:
+    """A load on a vertical rope of 10 m with inputs."""
+    scene = slung([(0, 0, 0.0)], [(0, 0, 10.0)], [MASS * G])
+    winched = replace(scene.ropes[0], winch=Winch(times=np.zeros(1), speeds=np.zeros(1)), damping=damping)
+    return replace(scene, ropes=(winched,), inputs=inputs)
+
+
+def test_transfer_from_a_force() -> None:
+    """A mass on a spring with a damper: ``1 / (k - m w2 + i c w)``; its acceleration is no output, its reaction is."""
+    m, k, c = 50.0, 2000.0, 120.0
+    point = np.zeros(3)
+    body = RigidBody("mass", m, np.eye(3), position=np.array([0.0, 0.0, 2.0]))
+    spring = Spring(
+        name="spring", body_a=GROUND, point_a=point, body_b="mass", point_b=point, length=2.0,
+        stiffness=k, damping=c,
+    )  # fmt: skip
+    push = ForceInput(name="push", body="mass", point=point, direction=np.array([0.0, 0.0, 1.0]))
+    simulation = Simulation(Scene((body,), (spring,), inputs=(push,)), 0.01)
+    found = linearise(simulation, outputs=["mass.position.z", "spring.force"])
+    assert (found.inputs, found.input_units, found.output_units) == (("push",), ("N",), ("m", "N"))
+    omega = np.array([0.5, 6.0, 40.0])
+    expected = 1.0 / (k - m * omega**2 + 1j * c * omega)
+    assert found.transfer(omega)[:, 0, 0] == pytest.approx(expected, rel=1e-7)
+    assert np.abs(found.transfer(omega)[:, 1, 0]) == pytest.approx(
+        np.abs((k + 1j * c * omega) * expected), rel=1e-7
+    )
+    assert found.transfer(6.0).shape == (2, 1)
+
+
+def test_speed_and_length_of_a_winch() -> None:
+    """``m z'' = -(EA s/l2) (z + hauled) - c (z' + speed)``; a length does the opposite of what is hauled in."""
+    c, rest = 2e4, 10.0 / (1.0 + MASS * G / EA)
+    stiffness = EA / rest
+    by_length = EA * 10.0 / rest**2
+    for one in (WinchSpeedInput(name="winch", rope="s0"), WinchLengthInput(name="winch", rope="s0")):
+        found = of(hoisted(one, damping=c))
+        speed = found.states.index("load.velocity.z")
+        assert found.A[speed, found.states.index("load.z")] == pytest.approx(-stiffness / MASS, rel=1e-7)
+        if isinstance(one, WinchSpeedInput):
+            place = found.states.index("winch.place")
+            assert found.inputs == ("winch", "winch.rate")
+            assert found.input_units == ("m/s", "m/s2")
+            assert found.A[speed, place] == pytest.approx(by_length / MASS, rel=1e-7)
+            assert found.B[speed] == pytest.approx([c / MASS, 0.0], rel=1e-6, abs=1e-6)
+            assert found.B[place] == pytest.approx([1.0, 0.0], abs=0.0)
+        else:
+            assert found.input_units == ("m", "m/s")
+            assert found.B[speed] == pytest.approx([-by_length / MASS, -c / MASS], rel=1e-6)
+        assert found.zeros == 6  # it holds at the centre, about which it may turn
+
+
+def test_step_response_of_a_driven_trolley() -> None:
+    """A load on a rope below a frame whose speed is an input: the matrices against the run itself."""
+    trolley = RigidBody("trolley", 500.0, np.eye(3), position=np.array([0, 0, 12.0]), motion=Fixed())
+    load = RigidBody("load", MASS, np.diag(INERTIA))
+    hoist = rope("hoist", (0, 0, 0), "load", (0, 0, 1.0), MASS * G, above="trolley")
+    travel = FrameSpeedInput(name="travel", body="trolley", axis="x")
+    push = ForceInput(name="push", body="load", point=np.zeros(3), direction=np.array([0.0, 1.0, 0.0]))
+    scene = Scene((trolley, load), (DOWN,), (), (), (hoist,), inputs=(travel, push))
+    simulation = Simulation(scene, 2e-3)
+    names = ["load.position.x", "load.position.y", "load.velocity.x", "hoist.tension"]
+    found = linearise(simulation, outputs=names)
+    u = np.zeros(len(found.inputs))
+    u[found.inputs.index("travel")], u[found.inputs.index("push")] = 1e-4, 0.5
+    simulation.set_inputs([("travel", 1e-4, 0.0, np.inf), ("push", 0.5, 0.0, np.inf)])
+    n = len(found.states)
+    held = expm(3.0 * np.block([[found.A, (found.B @ u)[:, None]], [np.zeros((1, n + 1))]]))
+    expected = found.C @ held[:n, n] + found.D @ u
+    before = simulation.record()
+    after = simulation.advance(1500)[1][-1]
+    columns = {f"{c.name}.{k}": c.column + i for c in simulation.channels for i, k in enumerate(c.components)}
+    columns |= {c.name: c.column for c in simulation.channels if len(c.components) == 1}
+    moved = np.array([(after - before)[columns[name]] for name in names])
+    assert moved[:3] == pytest.approx(expected[:3], rel=2e-5)
+    assert abs(expected[3]) < 1e-6 * MASS * G
+
+
+def test_inputs_without_columns() -> None:
+    """Places of drives are refused by name, and left out with a word where all inputs are taken."""
+    trolley = RigidBody("trolley", 500.0, np.eye(3), position=np.array([0, 0, 12.0]), motion=Fixed())
+    load = RigidBody("load", MASS, np.diag(INERTIA))
+    hoist = rope("hoist", (0, 0, 0), "load", (0, 0, 1.0), MASS * G, above="trolley")
+    place = FramePositionInput(name="place", body="trolley", axis="x")
+    simulation = Simulation(Scene((trolley, load), (DOWN,), (), (), (hoist,), inputs=(place,)), 0.01)
+    with pytest.raises(InputError, match="'place' is a place of a drive"):
+        linearise(simulation, inputs=["place"])
+    with pytest.raises(InputError, match=r"'plaec' is no input.*place"):
+        linearise(simulation, inputs=["plaec"])
+    found = linearise(simulation)
+    assert found.inputs == ()
+    assert any("'place'" in words for words in found.warnings)
+
+
+def test_joints_that_leave_no_motion() -> None:
+    body = RigidBody("block", 1.0, np.eye(3))
+    scene = Scene((body,), (DOWN,), (), (joint(FixedJoint, "weld", None, body, (0, 0, 0)),))
+    with pytest.raises(InputError, match="the joints leave no motion"):
+        of(scene)
