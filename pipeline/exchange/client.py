@@ -100,7 +100,8 @@ class RemoteState:
 class RemoteSimulation:
     """A simulation that another process computes: made by `connect` or `open_child`.
 
-    Its methods are those of `heavylift.Simulation`, with the same errors. Within ``with`` it is closed at the end.
+    Its methods are those of `heavylift.Simulation`, with the same errors. Within ``with`` it is closed at the end. It
+    belongs to one thread at a time.
 
     Attributes
     ----------
