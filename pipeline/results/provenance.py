@@ -66,8 +66,10 @@ STAGE_SOURCES = {
         "pipeline/assemble",
         "pipeline/results/mesh_results.py",
         "pipeline/stages/advance.py",
+        "pipeline/stages/prepared.py",
         "pipeline/stages/simulate.py",
     ),
+    "fmus": ("pipeline/coupling",),
     "start": ("contours", "numerics", "solver"),
     "stress": (
         "modal",
@@ -112,6 +114,7 @@ STAGE_PACKAGES = {
     "mesh": ("numpy", "scipy", "gmsh", "meshio", "scikit-fem"),
     "modes": ("numpy", "scipy", "scikit-sparse", "pypardiso"),
     "simulate": ("numpy", "numba"),
+    "fmus": ("fmpy",),
     "start": ("numpy", "scipy", "numba"),
     "report": ("numpy", "matplotlib", "pyvista", "k3d"),
     "surfaces": ("numpy", "scipy", "trimesh", "gmsh", "meshio"),
@@ -241,6 +244,8 @@ def simulate_digest(case: Case) -> str:
         bodies[name]["files"] = _files(case, mesh)
     scene = case.model_dump(mode="json", include={*SceneTables.model_fields, "simulate"} - OWN_DIGESTS)
     files = _files_in([getattr(case, key) for key in SceneTables.model_fields if key not in OWN_DIGESTS])
+    for fmu in case.fmus:
+        files |= _unpacked(case, fmu.file)
     scene["files"] = {name: digest_file(case.folder / name) for name in sorted(files)}
     if case.surfaces:
         scene["surfaces"] = {
@@ -254,6 +259,8 @@ def simulate_digest(case: Case) -> str:
             name: [section.model_dump(mode="json", include=MEMORY_KEYS), database_digest(case, section)]
             for name, section in case.databases.items()
         }
+    if case.fmus:
+        scene["exchange"] = [source_digest("fmus"), versions("fmus")]
     return _digest("simulate", {"bodies": bodies, **scene})
 
 
@@ -272,6 +279,15 @@ def files_of_case(case: Case) -> set[str]:
     found = {part for path in paths for part in files_read(path) if part.is_file()}
     found |= {part for path in found for part in mesh_files(path, case.folder)}
     return {path.relative_to(root if path.is_relative_to(root) else case.folder).as_posix() for path in found}
+
+
+def _unpacked(case: Case, name: str) -> set[str]:
+    """Files of an FMU that is not packed; none of one that is."""
+    path = case.folder / name
+    if path.suffix != ".xml":
+        return set()
+    inside = (file for file in path.parent.rglob("*") if file.is_file())
+    return {file.relative_to(case.folder).as_posix() for file in inside}
 
 
 def _files_in(node: Any) -> set[str]:
