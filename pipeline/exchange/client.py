@@ -44,6 +44,8 @@ __all__ = ["ExchangeError", "RemoteEvent", "RemoteSimulation", "RemoteState", "c
 
 TIMEOUT = 600.0
 """Until an answer must have come [s], unless another time is given: a first start may compile kernels."""
+LONGEST_TIMEOUT = 1e8
+"""[s]; a longer one is beyond what a system can wait."""
 STOP_SECONDS = 60.0
 """That a child has to write its results and end."""
 PIECE = 2**16
@@ -215,7 +217,7 @@ class RemoteSimulation:
         """
         fields: dict[str, Any] = {}
         if dt is not None:
-            fields["dt"] = dt
+            fields["dt"] = _number(dt)
         if inputs:
             fields["inputs"] = _plain(inputs)
         if outputs:
@@ -482,6 +484,8 @@ def connect(
     >>> crane = heavylift.connect(token_file="crane.token")  # doctest: +SKIP
     >>> crane.step(0.5, {"gust": 2e4}, outputs=["module.position"])  # doctest: +SKIP
     """
+    msgpack_library()  # before anything begins
+    _check_timeout(timeout)
     if token_file is not None:
         host, port, token = _address(Path(token_file))
     if port is None:
@@ -496,6 +500,15 @@ def connect(
         raise ExchangeError("lost", f"{name}: {words}") from None
     connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
     return RemoteSimulation(connection, name, role=role, token=token)
+
+
+def _check_timeout(timeout: float | None) -> None:
+    if timeout is not None and not 0.0 < timeout < LONGEST_TIMEOUT:
+        raise InputError(
+            f"{timeout}",
+            key="timeout",
+            expected=f"seconds, more than 0 and less than {LONGEST_TIMEOUT:g}, or None",
+        )
 
 
 def _address(path: Path) -> tuple[str, int, str]:
@@ -537,6 +550,8 @@ def open_child(
     ExchangeError
         If the process does not answer.
     """
+    msgpack_library()  # before anything begins
+    _check_timeout(timeout)
     command = python_command(
         "-c",
         "from heavylift.pipeline.commands.start import main; main()",
