@@ -111,10 +111,10 @@ class RemoteSimulation:
         Name of its case.
     role
         ``"master"`` or ``"observer"``.
-    time, step_size, duration
-        Where it stands, its step, its end [s].
-    ended
-        Whether time goes no further.
+    time, ended
+        Where it stands [s], and whether time goes no further; of an observer after the last answer.
+    step_size, duration
+        Its step and its end [s].
     """
 
     def __init__(
@@ -135,11 +135,11 @@ class RemoteSimulation:
         self._values: dict[str, Any] = {}
         self._callbacks: list[Callable[[RemoteEvent], None]] = []
         self._end = weakref.finalize(self, _ended, connection, child)
-        self._ports: tuple[dict[str, InputInfo], dict[str, OutputInfo]] | None = None
+        self._inputs: dict[str, InputInfo] | None = None
         try:
             greeting = self._ask("hello", protocol=PROTOCOL, role=role, token=token)
             self.case, self.role = greeting["case"], greeting["role"]
-            self._described = self._describe()
+            self._outputs = self._describe()
         except BaseException:
             self._end()
             raise
@@ -152,25 +152,25 @@ class RemoteSimulation:
     @property
     def inputs(self) -> Mapping[str, InputInfo]:
         """What may be set, with the values of now."""
-        if self._ports is None:
-            self._describe()
-        assert self._ports is not None
-        return self._ports[0]
+        if self._inputs is None or self.role == "observer":
+            self._refresh()
+        assert self._inputs is not None
+        return self._inputs
 
     @property
     def outcome(self) -> Outcome:
         """How it stands; `Outcome.COMPLETED` as long as nothing is wrong."""
-        return Outcome[self._ask("describe")["outcome"].upper()]
+        return Outcome[self._refresh()["outcome"].upper()]
 
     @property
     def message(self) -> str:
         """Why it has stopped by itself; empty if it has not."""
-        return str(self._ask("describe")["message"])
+        return str(self._refresh()["message"])
 
     @property
     def outputs(self) -> Mapping[str, OutputInfo]:
         """What may be read."""
-        return self._described
+        return self._outputs
 
     def set(self, name: str, value: float, *, rate: float = 0.0, until: float = math.inf) -> None:
         """Drive an input from now on.
@@ -235,8 +235,7 @@ class RemoteSimulation:
         if missing:
             answer = self._ask("get", outputs=missing)
             if answer["time"] != self.time:  # an observer: the master has stepped meanwhile
-                self._values.clear()
-                self.time = answer["time"]
+                self._changed(answer)
                 missing = list(outputs)
                 answer = self._ask("get", outputs=missing)
             self._values.update(zip(missing, answer["values"], strict=True))
@@ -333,19 +332,29 @@ class RemoteSimulation:
         self.close()
 
     def _describe(self) -> dict[str, OutputInfo]:
-        from heavylift.pipeline.stepping.simulation import InputInfo, OutputInfo
+        """What never changes; the outputs of it."""
+        from heavylift.pipeline.stepping.simulation import OutputInfo
 
         answer = self._ask("describe")
         self.step_size, self.duration = answer["step_size"], answer["duration"]
-        self._changed(answer)
-        outputs = {each["name"]: OutputInfo(**each) for each in answer["outputs"]}
-        self._ports = {each["name"]: InputInfo(**each) for each in answer["inputs"]}, outputs
-        return outputs
+        self.time, self.ended = answer["time"], answer["ended"]
+        return {each["name"]: OutputInfo(**each) for each in answer["outputs"]}
+
+    def _refresh(self) -> dict[str, Any]:
+        """What changes."""
+        from heavylift.pipeline.stepping.simulation import InputInfo
+
+        answer = self._ask("describe", outputs=False)
+        if answer["time"] != self.time:
+            self._changed(answer)
+        self.ended = answer["ended"]
+        self._inputs = {each["name"]: InputInfo(**each) for each in answer["inputs"]}
+        return answer
 
     def _changed(self, answer: Mapping[str, Any]) -> None:
         self.time = answer["time"]
         self.ended = answer.get("ended", self.ended)
-        self._ports = None
+        self._inputs = None
         self._values = {}
 
     def _ask(self, do: str, **fields: Any) -> dict[str, Any]:

@@ -165,11 +165,12 @@ class Service:
         }
 
     def _describe(self, request: dict[str, Any], seat: Seat) -> dict[str, Any]:
-        del request, seat
+        del seat
         simulation = self.simulation
+        listed = simulation.outputs.values() if request.get("outputs", True) else ()
         return {
             "inputs": [asdict(port) for port in simulation.inputs.values()],
-            "outputs": [asdict(port) for port in simulation.outputs.values()],
+            "outputs": [asdict(port) for port in listed],
             "step_size": simulation.step_size,
             "duration": simulation.duration,
             "outcome": simulation.outcome.name.lower(),

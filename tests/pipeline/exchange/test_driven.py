@@ -126,6 +126,19 @@ def test_several_inputs_are_set_all_or_none(served, driven):
     assert driven.input_log == log
 
 
+def test_an_observer_sees_what_the_master_sets(served):
+    with served.client() as master:
+        observer = served.client("observer")
+        for number in range(3):
+            master.step(0.1, {"gust": 1e3 * number}, outputs=NAMES)
+            assert observer.inputs["gust"].value == 1e3 * number == master.inputs["gust"].value
+            assert observer.time == master.time
+            assert observer.get(NAMES) == master.get(NAMES)
+        master.step(served.simulation.duration - master.time)
+        assert observer.outcome is hl.Outcome.COMPLETED
+        assert observer.ended
+
+
 def test_numbers_of_numpy_are_numbers(served):
     with served.client() as remote:
         remote.step(np.float32(0.25), {"gust": np.int64(5)}, outputs=("gust.value",))
