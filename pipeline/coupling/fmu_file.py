@@ -45,6 +45,12 @@ REALS = {"Real": "Real", "Float64": "Float64", "Float32": "Float32"}
 """Types of variables that are exchanged, and the accessors of FMPy that carry them."""
 WHOLE = {"Integer", "Enumeration", "Int8", "UInt8", "Int16", "UInt16", "Int32", "UInt32", "Int64", "UInt64"}
 _PLAIN = re.compile(r"[A-Za-z_][A-Za-z0-9_]*\Z")
+_ENCODING = re.compile(
+    rb"""(?:\xef\xbb\xbf)?\s*<(?:\?xml\b(?:[^>\0]*?\bencoding\s*=\s*["']([^"'\0]*)["'])?[^>\0]*>)?[^\0]*\Z"""
+)
+"""A text whose bytes are those of ASCII where they can be, and the encoding that it says."""
+_READABLE = re.compile(rb"utf-?8|(?:us-)?ascii|iso-8859-\d+|windows-125\d", re.IGNORECASE)
+"""Encodings in which they are; FMI has the first alone."""
 _PURE = {"1", "-", "none"}
 """Names of units of pure numbers."""
 
@@ -296,9 +302,14 @@ def unpacked_files(folder: Path) -> dict[str, Path]:
 
 def _description(path: Path, texts: Mapping[str, bytes]) -> Any:
     """The model description, as FMPy reads it."""
-    key, expected = DESCRIPTION, "a description as the FMI standard has it"
-    if any(word in text for text in texts.values() for word in (b"<!DOCTYPE", b"<!ENTITY")):
-        raise _refuse(path, "defines entities", expected, key=key)  # which may name files of this machine
+    expected = "a description as the FMI standard has it"
+    for name, text in texts.items():
+        encoding = _ENCODING.match(text)
+        if encoding is None or not (encoding[1] is None or _READABLE.fullmatch(encoding[1])):
+            # what is in it could not be seen before it is read
+            raise _refuse(path, "is not in UTF-8", expected, key=name)
+        if b"<!DOCTYPE" in text or b"<!ENTITY" in text:  # which may name files of this machine
+            raise _refuse(path, "defines entities", expected, key=name)
     with tempfile.TemporaryDirectory(prefix="heavylift_fmu_") as folder:
         for name, text in texts.items():
             file = Path(folder) / name
@@ -310,7 +321,7 @@ def _description(path: Path, texts: Mapping[str, bytes]) -> Any:
             raise
         except Exception as error:  # noqa: BLE001  of lxml, of FMPy, of what it converts
             problems = getattr(error, "problems", None) or [str(error) or type(error).__name__]
-            raise _refuse(path, str(problems[0]), expected, key=key) from None
+            raise _refuse(path, str(problems[0]), expected, key=DESCRIPTION) from None
 
 
 def _described(path: Path, about: Any, names: set[str]) -> FmuFile:

@@ -66,8 +66,10 @@ STAGE_SOURCES = {
         "pipeline/assemble",
         "pipeline/results/mesh_results.py",
         "pipeline/stages/advance.py",
+        "pipeline/stages/prepared.py",
         "pipeline/stages/simulate.py",
     ),
+    "fmus": ("pipeline/coupling",),
     "start": ("contours", "numerics", "solver"),
     "stress": (
         "modal",
@@ -112,6 +114,7 @@ STAGE_PACKAGES = {
     "mesh": ("numpy", "scipy", "gmsh", "meshio", "scikit-fem"),
     "modes": ("numpy", "scipy", "scikit-sparse", "pypardiso"),
     "simulate": ("numpy", "numba"),
+    "fmus": ("fmpy",),
     "start": ("numpy", "scipy", "numba"),
     "report": ("numpy", "matplotlib", "pyvista", "k3d"),
     "surfaces": ("numpy", "scipy", "trimesh", "gmsh", "meshio"),
@@ -256,6 +259,8 @@ def simulate_digest(case: Case) -> str:
             name: [section.model_dump(mode="json", include=MEMORY_KEYS), database_digest(case, section)]
             for name, section in case.databases.items()
         }
+    if case.fmus:
+        scene["exchange"] = [source_digest("fmus"), versions("fmus")]
     return _digest("simulate", {"bodies": bodies, **scene})
 
 

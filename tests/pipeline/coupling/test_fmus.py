@@ -97,6 +97,33 @@ def test_an_archive_that_is_none_of_an_fmu_is_refused(tmp_path, case):
     assert not (tmp_path.parent / "evil.txt").exists()
 
 
+@pytest.mark.parametrize(
+    ("encoding", "bom", "words"),
+    [
+        ("utf-8", b"", "defines entities"),
+        ("utf-8", b"\xef\xbb\xbf", "defines entities"),
+        ("iso-8859-1", b"", "defines entities"),
+        ("utf-16", b"", "is not in UTF-8"),
+        ("utf-7", b"", "is not in UTF-8"),
+        ("cp037", b"", "is not in UTF-8"),
+    ],
+)
+def test_a_description_that_names_other_files_is_refused_however_it_is_written(
+    tmp_path, encoding, bom, words
+):
+    (tmp_path / "secret").write_text("secret")
+    text = description(2).replace("UTF-8", encoding)
+    entity = f"<!DOCTYPE fmi [<!ENTITY x SYSTEM '{(tmp_path / 'secret').as_uri()}'>]><fmiModelDescription"
+    text = text.replace("<fmiModelDescription", entity, 1).replace('modelName="pd"', 'modelName="&x;"')
+    data = text.encode(encoding)
+    if encoding == "utf-7":
+        data = data.replace(b"<!", b"+ADwAIQ-")
+    with zipfile.ZipFile(tmp_path / "bad.fmu", "w") as archive:
+        archive.writestr("modelDescription.xml", bom + data)
+    with pytest.raises(InputError, match=words):
+        read_fmu(tmp_path / "bad.fmu")
+
+
 def test_other_files_are_refused(tmp_path):
     path = tmp_path / "bad.fmu"
     path.write_bytes(b"PK\x03\x04 nothing")

@@ -208,7 +208,7 @@ def test_a_state_of_other_inputs_is_refused(sim, tmp_path):
     text = sim.case.file.read_text()
     head, first, second = text.split("[[inputs]]")
     (tmp_path / "other").mkdir()
-    (tmp_path / "other" / "case.toml").write_text("[[inputs]]".join([head, second, first]))
+    (tmp_path / "other" / "case.toml").write_text(f"{head}[[inputs]]{second}[[inputs]]{first}")
     other = hl.Simulation(tmp_path / "other")
     with pytest.raises(hl.InputError, match="the state does not fit this scene"):
         other.restore(sim.save())
