@@ -23,7 +23,8 @@ class FmuSection(Section):
     name: Name
     """For messages."""
     file: Annotated[str, InFolder()]
-    """Its .fmu in the case folder."""
+    """Its .fmu in the case folder, or the modelDescription.xml of an unpacked one; sources are compiled if there is no
+    binary for this machine."""
     sample_time: Annotated[float, Positive("time")]
     """Time between two exchanges [s]: a multiple of a fixed step, or of the output interval with a tolerance."""
     reads: dict[VariableName, str] = Field(default_factory=dict)

@@ -1,12 +1,14 @@
 """What an .fmu of others says of itself, and whether it is one: read and checked before anything of it runs.
 
-An .fmu is a zip with a model description and binaries (FMI 2.0.5, section 2.3; FMI 3.0.2, section 2.5). The
+An .fmu is a zip with a model description and binaries or sources (FMI 2.0.5, section 2.3; FMI 3.0.2, section 2.5). It
+may lie there unpacked too: then the file is its modelDescription.xml. The
 description is read by the package FMPy (``heavylift[fmi]``), which compares it with the schema of the standard.
 """
 
 from __future__ import annotations
 
 import re
+import shutil
 import stat
 import tempfile
 import zipfile
@@ -17,12 +19,23 @@ from typing import TYPE_CHECKING, Any
 from heavylift.numerics.classes import dataclass
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.units import Dimension, describe_dimension, parse_unit
+from heavylift.pipeline.coupling.compiler import c_compiler, compile_library
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-__all__ = ["FmuFile", "FmuVariable", "fmpy_package", "read_fmu", "unit_factor", "unpack_fmu"]
+__all__ = [
+    "FmuFile",
+    "FmuVariable",
+    "fmpy_package",
+    "read_fmu",
+    "unit_factor",
+    "unpack_fmu",
+    "unpacked_files",
+]
 
+DESCRIPTION = "modelDescription.xml"
+BUILD = "sources/buildDescription.xml"
 LARGEST_CONTENT = 2 * 2**30
 """Bytes of an unpacked .fmu."""
 LARGEST_DESCRIPTION = 64 * 2**20
@@ -85,7 +98,7 @@ class FmuFile:
     Attributes
     ----------
     path
-        The file.
+        The file, or the modelDescription.xml of an unpacked one.
     version
         2 or 3.
     identifier, token
@@ -94,6 +107,8 @@ class FmuFile:
         Whether it can get and set its state, write it as bytes, and take rates of inputs.
     fixed_step
         Its step [s] if it takes no other ones; 0 without.
+    sources
+        Sources that are to be compiled, below its folder ``sources``, with options; empty if it has a binary.
     variables
         By name.
     """
@@ -106,7 +121,18 @@ class FmuFile:
     serializes: bool
     interpolates: bool
     fixed_step: float
+    sources: tuple[str, ...]
     variables: Mapping[str, FmuVariable]
+
+    @property
+    def title(self) -> str:
+        """Name of the file, or of its folder."""
+        return self.path.parent.name if self.path.name == DESCRIPTION else self.path.name
+
+    @property
+    def library(self) -> str:
+        """Its binary for this machine, below its folder."""
+        return _library(self.version, self.identifier)
 
 
 def fmpy_package() -> Any:
@@ -155,29 +181,51 @@ def _check_names(path: Path, archive: zipfile.ZipFile) -> set[str]:
     return names
 
 
-def _check_binary(path: Path, names: set[str], version: int, identifier: str) -> None:
-    """See that a binary for this machine is there."""
+def _library(version: int, identifier: str) -> str:
+    """Where the binary for this machine is in an FMU."""
     fmpy = fmpy_package()
-    folder = str(fmpy.platform if version == 2 else fmpy.platform_tuple)
-    if f"binaries/{folder}/{identifier}{fmpy.sharedLibraryExtension}" in names:
-        return
+    folder = fmpy.platform if version == 2 else fmpy.platform_tuple
+    return f"binaries/{folder}/{identifier}{fmpy.sharedLibraryExtension}"
+
+
+def _sources(path: Path, names: set[str], version: int, about: Any) -> tuple[str, ...]:
+    """Sources and options for the compiler; none if there is a binary for this machine.
+
+    Raises
+    ------
+    InputError
+        If there is neither.
+    """
+    identifier = str(about.coSimulation.modelIdentifier)
+    library = _library(version, identifier)
+    if library in names:
+        return ()
+    builds = [one for one in about.buildConfigurations if one.modelIdentifier == identifier]
+    found: list[str] = []
+    for part in builds[0].sourceFileSets if builds else ():
+        for file in part.sourceFiles:
+            if ".." in PurePosixPath(file).parts or f"sources/{file}" not in names or file.startswith("-"):
+                raise _refuse(
+                    path, "is missing", "a source that the description lists", key=f"sources/{file}"
+                )
+            found.append(file)
+        definitions = {one.name: one.value for one in part.preprocessorDefinitions}
+        found += [f"-D{name}={value}" if value else f"-D{name}" for name, value in definitions.items()]
+    if found:
+        c_compiler()
+        return tuple(found)
     there = sorted(
         {parts[1] for name in names if len(parts := PurePosixPath(name).parts) > 2 and parts[0] == "binaries"}
     )
-    if folder in there:
-        raise _refuse(
-            path,
-            "is missing",
-            f"the binary of the model identifier {identifier!r}",
-            key=f"binaries/{folder}/{identifier}{fmpy.sharedLibraryExtension}",
-        )
-    source = (
-        "sources alone" if not there and any(name.startswith("sources/") for name in names) else "no binary"
-    )
+    folder = PurePosixPath(library).parent.as_posix()
+    if folder.rpartition("/")[2] in there:
+        raise _refuse(path, "is missing", f"the binary of the model identifier {identifier!r}", key=library)
+    listed = any(name.startswith("sources/") for name in names)
+    source = "sources that its description does not list" if not there and listed else "no binary"
     raise _refuse(
         path,
         f"has binaries for {', '.join(there)}" if there else f"has {source}",
-        f"one for this machine, in binaries/{folder}",
+        f"one for this machine, in {folder}",
     )
 
 
@@ -191,15 +239,22 @@ def read_fmu(path: Path) -> FmuFile:
         has no co-simulation or no binary for this machine; or if FMPy is not installed.
     """
     fmpy_package()
+    names, texts = _unpacked(path) if path.name == DESCRIPTION else _packed(path)
+    return _described(path, _description(path, texts), names)
+
+
+def _packed(path: Path) -> tuple[set[str], dict[str, bytes]]:
+    """Names in an archive, and its descriptions."""
     try:
         with zipfile.ZipFile(path) as archive:
             names = _check_names(path, archive)
-            if "modelDescription.xml" not in names:
-                raise _refuse(path, "has no modelDescription.xml", "a functional mock-up unit")
-            if archive.getinfo("modelDescription.xml").file_size > LARGEST_DESCRIPTION:
+            if DESCRIPTION not in names:
+                raise _refuse(path, f"has no {DESCRIPTION}", "a functional mock-up unit")
+            wanted = [name for name in (DESCRIPTION, BUILD) if name in names]
+            if any(archive.getinfo(name).file_size > LARGEST_DESCRIPTION for name in wanted):
                 raise _refuse(path, "has a description beyond 64 MiB", "a functional mock-up unit")
             damaged = archive.testzip()
-            text = archive.read("modelDescription.xml") if damaged is None else b""
+            texts = {name: archive.read(name) for name in wanted} if damaged is None else {}
     except (zipfile.BadZipFile, OSError, NotImplementedError, EOFError, ValueError, zlib.error) as error:
         if isinstance(error, InputError):
             raise
@@ -208,28 +263,65 @@ def read_fmu(path: Path) -> FmuFile:
         ) from None
     if damaged is not None:
         raise _refuse(path, "is damaged", "an archive whose checksums fit", key=damaged)
-    return _described(path, _description(path, text), names)
+    return names, texts
 
 
-def _description(path: Path, text: bytes) -> Any:
+def _unpacked(path: Path) -> tuple[set[str], dict[str, bytes]]:
+    """Names in the folder of an unpacked FMU, and its descriptions."""
+    files = unpacked_files(path.parent)
+    wanted = {name: files[name] for name in (DESCRIPTION, BUILD) if name in files}
+    if any(file.stat().st_size > LARGEST_DESCRIPTION for file in wanted.values()):
+        raise _refuse(path, "has a description beyond 64 MiB", "a functional mock-up unit")
+    return set(files), {name: file.read_bytes() for name, file in wanted.items()}
+
+
+def unpacked_files(folder: Path) -> dict[str, Path]:
+    """Files of an unpacked FMU by their names in it, but hidden ones.
+
+    Raises
+    ------
+    InputError
+        If one leads out of the folder, or there are too many.
+    """
+    found: dict[str, Path] = {}
+    size, root = 0, folder.resolve()
+    for file in sorted(folder.rglob("*")):
+        parts = file.relative_to(folder).parts
+        if not file.is_file() or any(part.startswith(".") for part in parts):
+            continue
+        if not file.resolve().is_relative_to(root):
+            raise _refuse(file, "leads out of the folder of the FMU", "files inside of it")
+        size += file.stat().st_size
+        if len(found) >= MOST_FILES or size > LARGEST_CONTENT:
+            raise _refuse(
+                folder, "is no unpacked FMU: it has too many or too large files", "its folder alone"
+            )
+        found["/".join(parts)] = file
+    return found
+
+
+def _description(path: Path, texts: Mapping[str, bytes]) -> Any:
     """The model description, as FMPy reads it."""
-    key, expected = "modelDescription.xml", "a description as the FMI standard has it"
-    encoding = _ENCODING.match(text)
-    if encoding is None or not (encoding[1] is None or _READABLE.fullmatch(encoding[1])):
-        raise _refuse(
-            path, "is not in UTF-8", expected, key=key
-        )  # what is in it could not be seen before it is read
-    if b"<!DOCTYPE" in text or b"<!ENTITY" in text:  # which may name files of this machine
-        raise _refuse(path, "defines entities", expected, key=key)
+    expected = "a description as the FMI standard has it"
+    for name, text in texts.items():
+        encoding = _ENCODING.match(text)
+        if encoding is None or not (encoding[1] is None or _READABLE.fullmatch(encoding[1])):
+            # what is in it could not be seen before it is read
+            raise _refuse(path, "is not in UTF-8", expected, key=name)
+        if b"<!DOCTYPE" in text or b"<!ENTITY" in text:  # which may name files of this machine
+            raise _refuse(path, "defines entities", expected, key=name)
     with tempfile.TemporaryDirectory(prefix="heavylift_fmu_") as folder:
-        (Path(folder) / "modelDescription.xml").write_bytes(text)
+        for name, text in texts.items():
+            file = Path(folder) / name
+            file.parent.mkdir(exist_ok=True)
+            file.write_bytes(text)
         try:
             return fmpy_package().read_model_description(folder)
         except InputError:
             raise
         except Exception as error:  # noqa: BLE001  of lxml, of FMPy, of what it converts
             problems = getattr(error, "problems", None) or [str(error) or type(error).__name__]
-            raise _refuse(path, str(problems[0]), expected, key=key) from None
+            raise _refuse(path, str(problems[0]), expected, key=DESCRIPTION) from None
 
 
 def _described(path: Path, about: Any, names: set[str]) -> FmuFile:
@@ -246,7 +338,7 @@ def _described(path: Path, about: Any, names: set[str]) -> FmuFile:
     identifier = str(how.modelIdentifier)
     if not _PLAIN.match(identifier):
         raise _refuse(path, f"model identifier {identifier!r}", "letters, digits and underscores")
-    _check_binary(path, names, version, identifier)
+    sources = _sources(path, names, version, about)
     units = {unit.name: _unit(unit) for unit in about.unitDefinitions}
     fixed = 0.0
     if not how.canHandleVariableCommunicationStepSize and how.fixedInternalStepSize:
@@ -260,6 +352,7 @@ def _described(path: Path, about: Any, names: set[str]) -> FmuFile:
         serializes=bool(how.canGetAndSetFMUstate and how.canSerializeFMUstate),
         interpolates=bool(version == 2 and how.canInterpolateInputs),
         fixed_step=fixed,
+        sources=sources,
         variables={one.name: _variable(one, units) for one in about.modelVariables},
     )
 
@@ -335,7 +428,23 @@ def unit_factor(variable: FmuVariable, ours: str) -> float:
 
 
 def unpack_fmu(fmu: FmuFile, folder: Path) -> None:
-    """Unpack an .fmu that has been read into an empty folder."""
-    with zipfile.ZipFile(fmu.path) as archive:
-        _check_names(fmu.path, archive)
-        archive.extractall(folder)
+    """Unpack an FMU that has been read into an empty folder, and compile it if it has sources alone.
+
+    Raises
+    ------
+    InputError
+        If it does not compile.
+    """
+    if fmu.path.name == DESCRIPTION:
+        for name, file in unpacked_files(fmu.path.parent).items():
+            (folder / name).parent.mkdir(parents=True, exist_ok=True)
+            shutil.copyfile(file, folder / name)
+    else:
+        with zipfile.ZipFile(fmu.path) as archive:
+            _check_names(fmu.path, archive)
+            archive.extractall(folder)
+    if fmu.sources:
+        library = folder / fmu.library
+        library.parent.mkdir(parents=True, exist_ok=True)
+        headers = str(Path(str(fmpy_package().__file__)).parent / "c-code")  # those of the standard
+        compile_library(["-I", ".", "-I", headers, *fmu.sources], library, folder / "sources")

@@ -207,6 +207,7 @@ def main() -> None:
 
     threading.Thread(target=watch, daemon=True).start()
     serve(pipe)
+    shutil.rmtree(folder, ignore_errors=True)
     os._exit(0)  # whatever the FMU leaves behind in this process
 
 

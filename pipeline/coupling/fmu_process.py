@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
 from heavylift.numerics.children import NEUTRAL_FOLDER, module_folders, python_command
-from heavylift.numerics.outcome import in_one_line
+from heavylift.numerics.outcome import InputError, in_one_line
 from heavylift.pipeline.coupling.fmu_file import REALS, unpack_fmu
 
 if TYPE_CHECKING:
@@ -89,7 +89,12 @@ class FmuProcess:
         self._saved = 0
         folder = Path(tempfile.mkdtemp(prefix="heavylift_fmu_"))
         try:
-            unpack_fmu(fmu, folder)
+            try:
+                unpack_fmu(fmu, folder)
+            except InputError as error:
+                raise FmuError(
+                    f"FMU {name!r} ({fmu.title}): {error.problem}; expected {error.expected}"
+                ) from None
             self._pipe, self._life, self._process, self._printed = _begin(folder)
         except BaseException:
             shutil.rmtree(folder, ignore_errors=True)
@@ -215,7 +220,7 @@ class FmuProcess:
         self._close()
         place = "" if when is None else f"t = {when:.9g} s: "
         words = f"; it said: {'; '.join(said)}" if said else ""
-        raise FmuError(f"{place}FMU {self.name!r} ({self.fmu.path.name}): {problem}{words}")
+        raise FmuError(f"{place}FMU {self.name!r} ({self.fmu.title}): {problem}{words}")
 
     def _last_printed(self) -> list[str]:
         """Last line that was printed, of a file of which nobody knows how long it is."""

@@ -32,7 +32,7 @@ def _found(fmu: FmuFile, name: str, causalities: Collection[str], key: str) -> F
     if name not in fmu.variables:
         near = get_close_matches(name, fitting, 1)
         hint = f"; did you mean {near[0]!r}?" if near else ""
-        raise InputError(f"{fmu.path.name} has no variable {name!r}{hint}", key=key, expected=shown + more)
+        raise InputError(f"{fmu.title} has no variable {name!r}{hint}", key=key, expected=shown + more)
     found = fmu.variables[name]
     if found.causality not in causalities:
         raise InputError(

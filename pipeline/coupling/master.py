@@ -237,11 +237,10 @@ class Master:
                 self._largest = [max(map(abs, both)) for both in zip(self._largest, now, ends, strict=True)]
                 self._rates = [(b - a) / dt for a, b in zip(now, ends, strict=True)]
                 return
-            slow = misfit > SLOW * before
+            before, slow = misfit, misfit > SLOW * before
             if not self._chord or (slow and measured < MOST_MEASURED):
                 self._measure(time, dt, now, told, ends, saved)
-                measured, misfit = measured + 1, math.inf
-            before = misfit
+                measured, before = measured + 1, math.inf
             misses = [b - a for a, b in zip(told, ends, strict=True)]
             told = [
                 value + sum(c * miss for c, miss in zip(row, misses, strict=True))

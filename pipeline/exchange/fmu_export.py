@@ -11,19 +11,16 @@ import math
 import os
 import platform
 import re
-import shlex
-import shutil
-import subprocess
 import sys
-import sysconfig
 import tempfile
 import zipfile
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 from xml.sax.saxutils import quoteattr
 
-from heavylift.numerics.outcome import InputError, in_one_line
+from heavylift.numerics.outcome import InputError
 from heavylift.numerics.units import parse_unit
+from heavylift.pipeline.coupling.compiler import compile_library
 from heavylift.pipeline.results.storage import replacing
 from heavylift.pipeline.stepping.simulation import InputInfo, Simulation
 
@@ -40,8 +37,6 @@ FmiVersion = Literal[2, 3]
 HERE = Path(__file__).parent
 LARGEST_FOLDER = 2**30
 """Bytes of a case folder that is put into a unit."""
-LONGEST = 300.0
-"""Time [s] that the compiler has."""
 WHEN = (1980, 1, 1, 0, 0, 0)
 """Date of all files: the same case makes the same unit."""
 PURE = {"1", ""}
@@ -131,7 +126,8 @@ def _export(
         "resources/token.txt": token,
     }
     library = scratch / f"{identifier}{_ending()}"
-    _compile(fmi, library)
+    options = ["-std=c99", "-fvisibility=hidden", f"-DFMI={fmi}"]
+    compile_library([*options, str(HERE / "heavylift_fmu.c")], library, scratch)
     outputs_of_case = case.output_folder.relative_to(case.folder).as_posix()
     for stage in ("mesh", "modes", "derived"):  # an instance takes them from there
         for name, file in _case_files(made / stage, target) if (made / stage).is_dir() else ():
@@ -308,47 +304,3 @@ def _platform(fmi: FmiVersion) -> str:
 
 def _ending() -> str:
     return ".dylib" if platform.system() == "Darwin" else ".so"
-
-
-def _compile(fmi: FmiVersion, library: Path) -> None:
-    """Compile the library of a unit.
-
-    Raises
-    ------
-    InputError
-        If there is no C compiler, or it does not do it.
-    """
-    given = os.environ.get("CC") or "cc"
-    words = shlex.split(given)
-    if not words or shutil.which(words[0]) is None:
-        raise InputError(
-            f"no C compiler {given!r} is found",
-            source="fmu",
-            expected="one that is called 'cc' (Debian: apt install gcc), or its name in the variable CC",
-        )
-    command = [
-        *words,
-        "-shared",
-        "-fPIC",
-        "-O2",
-        "-std=c99",
-        "-fvisibility=hidden",
-        f"-DFMI={fmi}",
-        "-o",
-        str(library),
-        str(HERE / "heavylift_fmu.c"),
-        "-lm",
-    ]
-    try:
-        done = subprocess.run(  # noqa: S603
-            command, stdin=subprocess.DEVNULL, capture_output=True, text=True, check=False, timeout=LONGEST
-        )
-        problem = "" if done.returncode == 0 else done.stderr.strip() or f"exit code {done.returncode}"
-    except (OSError, subprocess.TimeoutExpired) as error:
-        problem = str(error)
-    if problem or not library.is_file():
-        raise InputError(
-            f"{given} does not compile the library: {in_one_line(problem)}",
-            source="fmu",
-            expected=f"a C compiler for {sysconfig.get_platform()}",
-        )

@@ -244,6 +244,8 @@ def simulate_digest(case: Case) -> str:
         bodies[name]["files"] = _files(case, mesh)
     scene = case.model_dump(mode="json", include={*SceneTables.model_fields, "simulate"} - OWN_DIGESTS)
     files = _files_in([getattr(case, key) for key in SceneTables.model_fields if key not in OWN_DIGESTS])
+    for fmu in case.fmus:
+        files |= _unpacked(case, fmu.file)
     scene["files"] = {name: digest_file(case.folder / name) for name in sorted(files)}
     if case.surfaces:
         scene["surfaces"] = {
@@ -277,6 +279,15 @@ def files_of_case(case: Case) -> set[str]:
     found = {part for path in paths for part in files_read(path) if part.is_file()}
     found |= {part for path in found for part in mesh_files(path, case.folder)}
     return {path.relative_to(root if path.is_relative_to(root) else case.folder).as_posix() for path in found}
+
+
+def _unpacked(case: Case, name: str) -> set[str]:
+    """Files of an FMU that is not packed; none of one that is."""
+    path = case.folder / name
+    if path.suffix != ".xml":
+        return set()
+    inside = (file for file in path.parent.rglob("*") if file.is_file())
+    return {file.relative_to(case.folder).as_posix() for file in inside}
 
 
 def _files_in(node: Any) -> set[str]:

@@ -9,6 +9,7 @@ import pytest
 fmpy = pytest.importorskip("fmpy")
 
 HERE = Path(__file__).parent
+SOURCE = HERE / "pd.c"
 
 VARIABLES = (
     # name, reference, type, causality, variability, unit, start
@@ -37,7 +38,7 @@ def library(folder, version, *flags):
             *flags,
             "-o",
             str(path),
-            str(HERE / "pd.c"),
+            str(SOURCE),
             "-lm",
         ]
         subprocess.run(command, check=True, stdin=subprocess.DEVNULL)
@@ -45,7 +46,15 @@ def library(folder, version, *flags):
 
 
 def description(
-    version, *, identifier="pd", known_as="pd", state=True, force="N", interface="CoSimulation", step=""
+    version,
+    *,
+    identifier="pd",
+    known_as="pd",
+    state=True,
+    force="N",
+    interface="CoSimulation",
+    step="",
+    sources=False,
 ):
     """A model description; `force` is the unit of the force, "N" or "kN", or another one that is not defined."""
     yes = "true" if state else "false"
@@ -62,6 +71,7 @@ def description(
             "s": 's="1"',
         }.items()
     )
+    listed = '<SourceFiles><File name="pd.c"/></SourceFiles>' if sources and version == 2 else ""
     rows = [(*row[:5], force if row[0] == "force" else row[5], row[6]) for row in VARIABLES]
     if version == 2:
         attributes = (
@@ -97,7 +107,7 @@ def description(
         structure = '<Output valueReference="2"/><Output valueReference="6"/>'
     return (
         f'<?xml version="1.0" encoding="UTF-8"?><fmiModelDescription {head}>'
-        f'<{interface} modelIdentifier="{identifier}" {attributes}/>'
+        f'<{interface} modelIdentifier="{identifier}" {attributes}>{listed}</{interface}>'
         f'<UnitDefinitions>{units}<Unit name="km"/><Unit name="lift"/></UnitDefinitions>'
         f"<ModelVariables>{''.join(lines)}</ModelVariables>"
         f"<ModelStructure>{structure}</ModelStructure></fmiModelDescription>"

@@ -5,11 +5,12 @@ import stat
 import zipfile
 
 import pytest
-from made_fmus import description, fmpy, library, make_fmu
+from made_fmus import SOURCE, description, fmpy, library, make_fmu
 
 from heavylift.numerics.outcome import InputError
 from heavylift.pipeline.case.fmus import FmuSection
 from heavylift.pipeline.coupling.fmu_file import read_fmu, unit_factor
+from heavylift.pipeline.coupling.fmu_process import FmuError, FmuProcess
 from heavylift.pipeline.coupling.fmus import check_fmu
 
 
@@ -82,7 +83,7 @@ BAD = {
         ("binaries/win16/pd.dll", "x"),
         f"has binaries for win16; expected one for this machine, in {PLATFORM}",
     ),
-    "sources": (("sources/pd.c", "x"), "has sources alone"),
+    "sources": (("sources/pd.c", "x"), "has sources that its description does not list"),
     "name": ((f"{PLATFORM}/other.so", "x"), f"{PLATFORM}/pd.so: is missing"),
 }
 
@@ -199,3 +200,51 @@ def test_a_step_and_a_coupling_that_it_cannot_do_are_refused(folder):
         InputError, match=r"coupling: 'iterated' with fixed.fmu, which cannot get and set its state"
     ):
         check_fmu(_section(file="fixed.fmu", sample_time=0.09, coupling="iterated"), folder)
+
+
+@pytest.mark.parametrize("version", [2, 3])
+@pytest.mark.parametrize("packed", [True, False])
+def test_an_fmu_of_sources_is_compiled(tmp_path, version, packed, monkeypatch):
+    text = description(version, sources=True)
+    files = {"modelDescription.xml": text, "sources/pd.c": SOURCE.read_text(encoding="utf-8")}
+    if version == 3:
+        files["sources/buildDescription.xml"] = (
+            '<?xml version="1.0" encoding="UTF-8"?><fmiBuildDescription fmiVersion="3.0"><BuildConfiguration '
+            'modelIdentifier="pd"><SourceFileSet language="C99"><SourceFile name="pd.c"/><PreprocessorDefinition '
+            'name="FMI" value="3"/></SourceFileSet></BuildConfiguration></fmiBuildDescription>'
+        )
+    else:
+        files["sources/pd.c"] = "#define FMI 2\n" + files["sources/pd.c"]
+    path = tmp_path / "pd.fmu"
+    if packed:
+        with zipfile.ZipFile(path, "w") as archive:
+            for name, content in files.items():
+                archive.writestr(name, content)
+    else:
+        for name, content in files.items():
+            (tmp_path / "pd" / name).parent.mkdir(parents=True, exist_ok=True)
+            (tmp_path / "pd" / name).write_text(content, encoding="utf-8")
+        path = tmp_path / "pd" / "modelDescription.xml"
+    made = FmuProcess(read_fmu(path), "pd", ("x", "v"), ("force",), {"stiffness": 1e3}, 20.0)
+    made.start({"x": 0.5, "v": 0.0})
+    assert made.outputs() == {"force": -500.0}
+    made.close()
+    monkeypatch.setenv("CC", "no-such-compiler")
+    with pytest.raises(InputError, match="no C compiler 'no-such-compiler' is found"):
+        read_fmu(path)
+    monkeypatch.setenv("CC", "false")
+    with pytest.raises(FmuError, match=r"FMU 'pd' \(pd.*\): false does not compile the library"):
+        FmuProcess(read_fmu(path), "pd", ("x",), ("force",), {}, 20.0)
+
+
+def test_an_unpacked_fmu_has_no_files_of_others(tmp_path):
+    folder = tmp_path / "pd"
+    (folder / "sources").mkdir(parents=True)
+    (folder / "modelDescription.xml").write_text(description(2, sources=True))
+    with pytest.raises(
+        InputError, match=r"sources/pd.c: is missing; expected a source that the description lists"
+    ):
+        read_fmu(folder / "modelDescription.xml")
+    (folder / "sources" / "pd.c").symlink_to("/etc/passwd")
+    with pytest.raises(InputError, match="leads out of the folder of the FMU"):
+        read_fmu(folder / "modelDescription.xml")

@@ -90,9 +90,13 @@ def test_a_signal_ends_the_run_and_its_results_are_kept(tmp_path, number):
 
 def test_a_signal_ends_a_long_step(tmp_path, long_case):
     server, file = started(long_case, tmp_path / "token")
-    code = f"import heavylift as hl\nhl.connect(token_file={str(file)!r}).step(9e5)\n"
-    client = subprocess.Popen([sys.executable, "-P", "-c", code], stderr=subprocess.PIPE)
-    time.sleep(1.5)  # it is on its way
+    connect = f"import heavylift as hl\nmaster = hl.connect(token_file={str(file)!r})\n"
+    code = connect + "print('connected', flush=True)\nmaster.step(9e5)\n"
+    client = subprocess.Popen(
+        [sys.executable, "-P", "-c", code], stdout=subprocess.PIPE, stderr=subprocess.PIPE
+    )
+    assert client.stdout.readline() == b"connected\n"
+    time.sleep(1.0)  # it is on its way
     server.send_signal(signal.SIGTERM)
     assert server.communicate(timeout=60)[1] == b""
     assert server.returncode == int(hl.Outcome.INTERRUPTED)
