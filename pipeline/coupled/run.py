@@ -223,11 +223,11 @@ class CoupledScenes:
             if not found.stable and found.growth < SOON and whole > EXCHANGES:
                 # what begins to move grows too; what is not stable goes on to grow
                 found = self._looked_at(interval, min(4 * EXCHANGES, whole))
-            return found
         except StopError:
             for name, system in self.systems.items():
                 system.restore(saved[name])
             return None
+        return found
 
     def _looked_at(self, interval: float, count: int) -> ExchangeStability:
         """Stability over some exchanges."""
