@@ -115,6 +115,16 @@ class RemoteSimulation:
         Where it stands [s], and whether time goes no further; of an observer after the last answer.
     step_size, duration
         Its step and its end [s].
+
+    Examples
+    --------
+    >>> import heavylift as hl
+    >>> with hl.open_child("cases/hoist") as crane:
+    ...     begin = crane.save()
+    ...     answer = crane.step(1.0)
+    ...     crane.restore(begin)
+    ...     print(crane.case, crane.role, crane.time)
+    hoist master 0.0
     """
 
     def __init__(
@@ -558,6 +568,14 @@ def open_child(
         If the case is wrong.
     ExchangeError
         If the process does not answer.
+
+    Examples
+    --------
+    >>> import heavylift as hl
+    >>> with hl.open_child("cases/hoist") as crane:
+    ...     answer = crane.step(0.5)
+    ...     print(f"{crane.time:g} s, load at {crane['load.position.z']:.3f} m")
+    0.5 s, load at -49.446 m
     """
     msgpack_library()  # before anything begins
     _check_timeout(timeout)
