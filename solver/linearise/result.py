@@ -78,6 +78,15 @@ class Linearisation:
         Velocity of the state, likewise [m/s].
     warnings
         What limits the use of all this, as sentences.
+
+    Examples
+    --------
+    A load of 1000 t on two parts of 100 m of a rope of EA = 1 GN: sqrt(4 EA / (L m)) / 2 pi = 1.007 Hz.
+
+    >>> import heavylift as hl
+    >>> modes = hl.Simulation("cases/hoist").linearise()
+    >>> print(f"{modes.frequencies[-1]:.3f} Hz", modes.A.shape)
+    1.007 Hz (12, 12)
     """
 
     time: float
