@@ -187,6 +187,12 @@ def test_a_state_goes_on_in_another_instance(write):
     first.restore(state)
     first.step(0.313)
     assert np.array_equal(rows[0], first.row)
+    without = hl.State({name: array for name, array in state.arrays.items() if name != "fmus"})
+    with pytest.raises(InputError, match=r"fmus: has no state of the FMUs; expected that of hold"):
+        first.restore(without)
+    slower = hl.Simulation(load_case(folder, ["fmus.0.sample_time=40 ms"]))
+    with pytest.raises(InputError, match="fmus: is the state of other FMUs or sample times"):
+        slower.restore(state)
 
 
 WRONG = {
