@@ -132,10 +132,20 @@ def linearise(
 
     Examples
     --------
-    A mass on a spring swings at ``sqrt(k/m) / 2 pi``::
+    A mass on a spring swings at ``sqrt(k/m) / (2 pi)``:
 
-        simulation = Simulation(scene, 0.01)
-        print(linearise(simulation).table())
+    >>> from heavylift.solver.forces.spring import Spring
+    >>> from heavylift.solver.scene.connections import GROUND
+    >>> from heavylift.solver.scene.scene import RigidBody, Scene
+    >>> from heavylift.solver.simulation import Simulation
+    >>> mass = RigidBody("mass", 50.0, np.eye(3), position=np.array([0.0, 0.0, 2.0]))
+    >>> ends = {"body_a": GROUND, "point_a": np.zeros(3), "body_b": "mass", "point_b": np.zeros(3)}
+    >>> spring = Spring(name="spring", **ends, length=2.0, stiffness=2000.0, damping=120.0)
+    >>> found = linearise(Simulation(Scene((mass,), (spring,)), step=0.01))
+    >>> print(found.words(-1))
+    1.007 Hz, period 0.9935 s, damping 0.19: mass z 100 %
+    >>> found.zeros
+    10
     """
     check_served(simulation)
     names = [channel.name for channel in simulation.channels] if every else outputs
