@@ -5390,7 +5390,8 @@ class Fmu(Component):
     name : text
         For messages.
     file : text
-        Its .fmu in the case folder.
+        Its .fmu in the case folder, or the modelDescription.xml of an unpacked one; sources are
+        compiled if there is no binary for this machine.
     sample_time : time [s] > 0
         Time between two exchanges [s]: a multiple of a fixed step, or of the output interval with a
         tolerance.

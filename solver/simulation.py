@@ -247,6 +247,7 @@ class Simulation:
             self._range = ModalRange(modal, self.channels, scene.joints)
         self._lone = None if self.operation is None else LoneExtremes(self.channels)
         self._return, self._heard = ReturnPoint(), 0
+        self._recorded = -1
         self._anew: Callable[[float], object] | None = None
         self._views: tuple[Any, dict[str, NDArray[Any]]] = (None, {})
         self._counts = True
@@ -572,10 +573,18 @@ class Simulation:
         return self.integrator == "dele2"
 
     def record(self) -> NDArray[np.float64]:
-        """Record of the present state, shape (column_count,)."""
+        """Record of the present state, shape (column_count,); no trace is left but by one of the run."""
         self.warm_up()
         row = np.empty(self.column_count)
+        if self.step_index % self.record_every or self.step_index == self._recorded:
+            arrays = self._arrays_in_use
+            kept = [array.copy() for array in arrays]
+            self._write(row)
+            for array, before in zip(arrays, kept, strict=True):
+                array[:] = before
+            return row
         self._write(row)
+        self._recorded = self.step_index
         if self._counts:  # whole turns, from record to record
             self._return.forget()
         return row
@@ -610,11 +619,14 @@ class Simulation:
         if heard != self._heard or self._return.is_due(self.cpu_seconds):
             self._return.take(self._arrays_in_use, first, self.cpu_seconds)
             self._heard = heard
-        last = self._last_possible(first, last)
-        begin = clock.thread_time()
-        done = self._call(first, last, every, records, self.stop_asked)
+        begin, done = clock.thread_time(), first
+        while (last := self._last_possible(done, first + steps)) > done:
+            rows = records[done // every - first // every :]
+            done = int(self._call(done, last, every, rows, self.stop_asked))
+            if done < last or last == first + steps or self._layout.work.status.outcome != 0:
+                break
         self.cpu_seconds += clock.thread_time() - begin
-        self.step_index = int(done)
+        self.step_index = done
         status = int(self._layout.work.status.outcome)
         if self.operation is not None and status == int(self.operation.sequencer.state.outcome) != 0:
             self.outcome, self.message = self.operation.end  # behind a step that is good
@@ -626,6 +638,8 @@ class Simulation:
         elif done == last < first + steps:  # as far as an input can drive what it drives
             self.outcome = Outcome.LIMIT_REACHED
             self.message = f"stopped at t = {self.time:.9g} s: {self.inputs.ends[1]}"
+        if self.step_index % every == 0:
+            self._recorded = self.step_index
         count = int(done) // every - first // every
         beyond = self._left_range(records[:count], first // every + 1)
         if beyond >= 0:
@@ -707,9 +721,10 @@ class Simulation:
 
     def _last_possible(self, first: int, last: int) -> int:
         """Last step up to which inputs can drive what they drive, at a record."""
-        end, every = self.inputs.ends[0], self.record_every
-        if not end < last * self.step:
+        if not self.inputs.ends[0] < last * self.step:
             return last
+        self.inputs.refresh()  # a brake that has slipped gives more rope
+        end, every = self.inputs.ends[0], self.record_every
         whole = math.floor(end / (self.step * every) * (1.0 + ROUNDING))
         return max(first, min(last, whole * every))
 
@@ -888,6 +903,7 @@ class Simulation:
         self.step_index = int(state["step_index"])
         self.cpu_seconds = float(state["cpu_seconds"])
         self._watch.state = state["watch"]
+        self._recorded = self.step_index if self._watch.begun else -1
         if self._range is not None:
             self._range.state = state["modal_range"].copy()
         if self._lone is not None:
