@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.classes import dataclass
+from heavylift.numerics.outcome import InputError
 
 __all__ = ["BodyShape", "Linearisation"]
 
@@ -146,10 +147,25 @@ class Linearisation:
         -------
         NDArray
             Complex, shape (k, outputs, inputs), or (outputs, inputs) of a single frequency.
+
+        Raises
+        ------
+        InputError
+            If there is no answer: at a frequency of an undamped mode, or at 0 with a motion that is free.
         """
         each = np.atleast_1d(np.asarray(omega, dtype=np.float64))
         eye = np.eye(len(self.A))
-        found = np.array([self.C @ np.linalg.solve(1j * w * eye - self.A, self.B) + self.D for w in each])
+        try:
+            found = np.array([self.C @ np.linalg.solve(1j * w * eye - self.A, self.B) + self.D for w in each])
+        except np.linalg.LinAlgError:
+            found = np.array(np.nan)
+        if not np.all(np.isfinite(found)):
+            raise InputError(
+                f"no answer at {np.ndarray.tolist(each)} rad/s",
+                source="linearisation",
+                key="omega",
+                expected="finite frequencies: none of an undamped mode, nor 0 with a motion that is free",
+            )
         return found if np.ndim(omega) else np.asarray(found[0])
 
     def table(self, count: int | None = None) -> str:

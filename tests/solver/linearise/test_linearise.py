@@ -295,6 +295,9 @@ def test_transfer_from_a_force() -> None:
         np.abs((k + 1j * c * omega) * expected), rel=1e-7
     )
     assert found.transfer(6.0).shape == (2, 1)
+    for omega in (0.0, np.nan):  # nothing holds the mass across the spring
+        with pytest.raises(InputError, match="no answer at"):
+            found.transfer(omega)
 
 
 def test_speed_and_length_of_a_winch() -> None:
