@@ -544,13 +544,15 @@ class _Probe:
 
     def _steps(self) -> NDArray[np.float64]:
         """Displacement of the difference quotients by state."""
-        within, largest = (
-            self._motions.within[self._free.chosen],
-            float(self._motions.inertia.max(initial=0.0)),
-        )
+        chosen = self._free.chosen
+        within, owner = self._motions.within[chosen], self._motions.owner[chosen]
+        mass = np.zeros(len(self._places))
+        for kind in self._layout.bodies:
+            mass[kind.table["number"]] = kind.lengths()[0]
         steps = np.full(len(within), self._size)
         steps[(within >= 3) & (within < 6)] = 1.0
-        steps[within >= 6] = self._size * math.sqrt(largest)
+        modal = within >= 6
+        steps[modal] = self._size * np.sqrt(mass[owner[modal]])
         return self._difference * steps
 
     def _names(self) -> tuple[tuple[str, ...], tuple[str, ...]]:
