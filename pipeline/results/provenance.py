@@ -276,6 +276,8 @@ def files_of_case(case: Case) -> set[str]:
         geometry = getattr(body, "geometry", None)
         if geometry is not None and geometry.type == "matrices":
             paths |= {case.folder / name for name in geometry.matrix_files().values()}
+    for fmu in case.fmus:
+        paths |= {case.folder / name for name in _unpacked(case, fmu.file)}
     found = {part for path in paths for part in files_read(path) if part.is_file()}
     found |= {part for path in found for part in mesh_files(path, case.folder)}
     return {path.relative_to(root if path.is_relative_to(root) else case.folder).as_posix() for path in found}
