@@ -15,6 +15,7 @@ _HOMES = {
     "Component": "pipeline.model.components",
     "ExchangeError": "pipeline.exchange.client",
     "InputError": "numerics.outcome",
+    "Linearisation": "solver.linearise.result",
     "Model": "pipeline.model.model",
     "Outcome": "numerics.outcome",
     "RemoteSimulation": "pipeline.exchange.client",

@@ -18,6 +18,7 @@ from heavylift.pipeline.results.storage import StopError as StopError
 from heavylift.pipeline.stages.stages import run_case as run_case
 from heavylift.pipeline.stepping.simulation import Simulation as Simulation, SimulationStopped as SimulationStopped
 from heavylift.pipeline.stepping.state import State as State
+from heavylift.solver.linearise.result import Linearisation as Linearisation
 
 __all__ = [
     "Ball", "Ballast", "BandContour", "BilateralLawContact", "Case", "Check", "ClearanceCriterion",
@@ -29,17 +30,17 @@ __all__ = [
     "FrameSpeedInput", "FrameTurnRateInput", "GantryCrane", "Gravity", "Guide", "HeightTargetInput",
     "HertzLawCollision", "HertzLawContact", "Hinge", "HookLoad", "Hull", "HuntCrossleyLawCollision",
     "HuntCrossleyLawContact", "InputError", "JointLoadInput", "JointMotor", "JointSpring",
-    "LimitCriterion", "LineBearing", "LinearLawCollision", "LinearLawContact", "LinkBeam", "Lug",
-    "LugCriterion", "LumpedCable", "MaxwellRope", "Model", "MomentInput", "MooringLine", "Outcome",
-    "Planar", "PointForce", "Pump", "Reference", "RelativeMotion", "RemoteSimulation", "Repeat", "Report",
-    "Results", "RigidBody", "RigidLawCollision", "RigidLawContact", "RodBody", "Rope", "RopeGroup", "Run",
-    "Scenario", "Screw", "Sea", "Sensor", "ShackleCriterion", "SharedLines", "ShellBody", "Simulate",
-    "Simulation", "SimulationStopped", "SlackCriterion", "Slider", "SliderHinge", "SlingAngleCriterion",
-    "SlingCriterion", "SpreadCriterion", "Spreader", "Spring", "SpringRope", "State", "StopError",
-    "Surface", "SurfaceContour", "Tank", "TankRateInput", "ThesisLawCollision", "TiltCriterion",
-    "TiltTargetInput", "TransportCriterion", "Transporter", "Tugger", "Universal", "WinchLengthInput",
-    "WinchSpeedInput", "YieldCriterion", "connect", "load", "load_case", "load_results", "open_child",
-    "run_case"
+    "LimitCriterion", "LineBearing", "LinearLawCollision", "LinearLawContact", "Linearisation",
+    "LinkBeam", "Lug", "LugCriterion", "LumpedCable", "MaxwellRope", "Model", "MomentInput",
+    "MooringLine", "Outcome", "Planar", "PointForce", "Pump", "Reference", "RelativeMotion",
+    "RemoteSimulation", "Repeat", "Report", "Results", "RigidBody", "RigidLawCollision",
+    "RigidLawContact", "RodBody", "Rope", "RopeGroup", "Run", "Scenario", "Screw", "Sea", "Sensor",
+    "ShackleCriterion", "SharedLines", "ShellBody", "Simulate", "Simulation", "SimulationStopped",
+    "SlackCriterion", "Slider", "SliderHinge", "SlingAngleCriterion", "SlingCriterion", "SpreadCriterion",
+    "Spreader", "Spring", "SpringRope", "State", "StopError", "Surface", "SurfaceContour", "Tank",
+    "TankRateInput", "ThesisLawCollision", "TiltCriterion", "TiltTargetInput", "TransportCriterion",
+    "Transporter", "Tugger", "Universal", "WinchLengthInput", "WinchSpeedInput", "YieldCriterion",
+    "connect", "load", "load_case", "load_results", "open_child", "run_case"
 ]
 
 Quantity = float | str
@@ -5389,7 +5390,8 @@ class Fmu(Component):
     name : text
         For messages.
     file : text
-        Its .fmu in the case folder.
+        Its .fmu in the case folder, or the modelDescription.xml of an unpacked one; sources are
+        compiled if there is no binary for this machine.
     sample_time : time [s] > 0
         Time between two exchanges [s]: a multiple of a fixed step, or of the output interval with a
         tolerance.

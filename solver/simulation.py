@@ -619,11 +619,14 @@ class Simulation:
         if heard != self._heard or self._return.is_due(self.cpu_seconds):
             self._return.take(self._arrays_in_use, first, self.cpu_seconds)
             self._heard = heard
-        last = self._last_possible(first, last)
-        begin = clock.thread_time()
-        done = self._call(first, last, every, records, self.stop_asked)
+        begin, done = clock.thread_time(), first
+        while (last := self._last_possible(done, first + steps)) > done:
+            rows = records[done // every - first // every :]
+            done = int(self._call(done, last, every, rows, self.stop_asked))
+            if done < last or last == first + steps or self._layout.work.status.outcome != 0:
+                break
         self.cpu_seconds += clock.thread_time() - begin
-        self.step_index = int(done)
+        self.step_index = done
         status = int(self._layout.work.status.outcome)
         if self.operation is not None and status == int(self.operation.sequencer.state.outcome) != 0:
             self.outcome, self.message = self.operation.end  # behind a step that is good
@@ -718,9 +721,10 @@ class Simulation:
 
     def _last_possible(self, first: int, last: int) -> int:
         """Last step up to which inputs can drive what they drive, at a record."""
-        end, every = self.inputs.ends[0], self.record_every
-        if not end < last * self.step:
+        if not self.inputs.ends[0] < last * self.step:
             return last
+        self.inputs.refresh()  # a brake that has slipped gives more rope
+        end, every = self.inputs.ends[0], self.record_every
         whole = math.floor(end / (self.step * every) * (1.0 + ROUNDING))
         return max(first, min(last, whole * every))
 

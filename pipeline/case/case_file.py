@@ -357,7 +357,7 @@ class Case(SceneTables, _CaseHeading):
             "drives": drives_of(self.joints, frames),
             "pumped": {end: pump.name for pump in self.pumps for end in (pump.source, pump.target)},
             "vehicles": {one.name: one for one in self.transporters if one.legs},
-            "releases": releases_of(self.joints, self.forces),
+            "releases": releases_of(self.joints, (*self.forces, *self.inputs)),
             "helpers": helpers_of(self.pumps, self.controllers, self.transporters),
         }
 

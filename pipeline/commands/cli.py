@@ -17,6 +17,7 @@ from heavylift.pipeline.commands.command_line import (
     CaseArgument,
     CasesArgument,
     Count,
+    Drawn,
     Export,
     Force,
     Inputs,
@@ -291,6 +292,7 @@ def eigen(
     *,
     at: At = "start",
     count: Count = None,
+    draw_: Drawn = (),
     input_: Inputs = (),
     output: Outputs = (),
     out: Out = None,
@@ -304,7 +306,15 @@ def eigen(
         from heavylift.pipeline.commands.eigen import eigen_command
 
         document, words = eigen_command(
-            case, out=out, overrides=set_, at=at, inputs=input_ or None, outputs=output, count=count, log=log
+            case,
+            out=out,
+            overrides=set_,
+            at=at,
+            inputs=input_ or None,
+            outputs=output,
+            count=count,
+            drawn=draw_,
+            log=log,
         )
         if json:
             print_json(document)

@@ -23,6 +23,7 @@ __all__ = [
     "CaseArgument",
     "CasesArgument",
     "Count",
+    "Drawn",
     "Export",
     "Force",
     "Inputs",
@@ -100,6 +101,15 @@ At = Annotated[
 Count = Annotated[
     int | None,
     Parameter(name="--count", help="Modes in the table, slowest first; default: all.", show_default=False),
+]
+Drawn = Annotated[
+    tuple[int, ...],
+    Parameter(
+        name="--draw",
+        help="Number of a mode to draw as a page; may be repeated.",
+        show_default=False,
+        negative="",
+    ),
 ]
 Inputs = Annotated[
     tuple[str, ...],

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import math
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -16,8 +17,12 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
     from pathlib import Path
 
+    from numpy.typing import NDArray
+
     from heavylift.pipeline.case.case_file import Case
     from heavylift.pipeline.log import Log
+    from heavylift.pipeline.results.storage import OutputFolder
+    from heavylift.pipeline.stages.prepared import PreparedRun
     from heavylift.solver.linearise.result import Linearisation
     from heavylift.solver.simulation import Simulation
 
@@ -25,6 +30,12 @@ __all__ = ["eigen_command"]
 
 WHOLE = 1e-9
 """Of a step, by which a time may miss the end of one."""
+
+SHOWN = 0.08
+"""Largest displacement of a drawn mode, relative to the distances of bodies, or rotation [rad]."""
+
+PERIODS, FRAMES, SHOWN_PERIOD = 2, 60, 10.0
+"""Of a drawn mode: periods, records in each, and the period [s] of what has none."""
 
 AT_REST = 'simulate.start="equilibrium"'
 
@@ -38,6 +49,7 @@ def eigen_command(
     inputs: Sequence[str] | None = None,
     outputs: Sequence[str] = (),
     count: int | None = None,
+    drawn: Sequence[int] = (),
     log: Log,
 ) -> tuple[dict[str, Any], list[str]]:
     """Linearise a case and write ``eigen/``.
@@ -52,6 +64,8 @@ def eigen_command(
         Names of inputs, all if None, and of outputs.
     count
         Modes in the table; all if None.
+    drawn
+        Numbers of modes that get a page in which the scene swings.
 
     Returns
     -------
@@ -66,11 +80,12 @@ def eigen_command(
         If a stage, or the run before that time, stops by itself.
     """
     from heavylift.pipeline.case.places import in_case
+    from heavylift.pipeline.results.mesh_results import save_meshes
     from heavylift.pipeline.results.storage import OutputFolder
     from heavylift.pipeline.stages.lock import locked
     from heavylift.pipeline.stages.prepared import compile_parts, prepare_run
     from heavylift.pipeline.stages.stages import load_changed_case, make_parts
-    from heavylift.solver.linearise.linearise import linearise
+    from heavylift.solver.linearise.linearise import linearise, output_columns
     from heavylift.solver.linearise.served import check_served
 
     changes = (*overrides, AT_REST) if at == "rest" else tuple(overrides)
@@ -82,7 +97,8 @@ def eigen_command(
     time = _time(case, at)
     folder = OutputFolder(case.output_folder if out is None else out)
     make_parts(case, folder)
-    simulation = prepare_run(case, folder, log).simulation
+    run = prepare_run(case, folder, log)
+    simulation = run.simulation
     if case.fmus:
         log.say("eigen: NOTE: what FMUs write stays as it is: these are the motions without their answers")
     with in_case(case):
@@ -93,12 +109,37 @@ def eigen_command(
         if simulation.start_text:
             log.say(f"eigen: {simulation.start_text}")
         _advance(simulation, time)
-        found = linearise(simulation, inputs, outputs)
+        columns = output_columns(simulation, outputs)
+        whole = linearise(simulation, inputs, every=True)
+        found = replace(
+            whole,
+            C=whole.C[columns.places],
+            D=whole.D[columns.places],
+            outputs=columns.names,
+            output_units=columns.units,
+        )
+        row = simulation.record()
+    for number in drawn:
+        if not 1 <= number <= len(found.eigenvalues):
+            raise InputError(
+                f"{number}",
+                source="eigen",
+                key="--draw",
+                expected=f"a mode from 1 to {len(found.eigenvalues)}",
+            )
     for warning in found.warnings:
         log.say(f"eigen: WARNING: {warning}")
     place = folder.stage("eigen")
     with locked(folder.root):
         files = _write(place, case, found)
+        if drawn:
+            save_meshes(place / "meshes.h5", run.meshes)
+        for number in drawn:
+            files.append(place / f"mode_{number}.html")
+            with in_case(case):
+                text = _page(case, folder, run, whole, row, number, place / "meshes.h5")
+            with replacing(files[-1]) as temporary:
+                temporary.write_text(text, encoding="utf-8")
     document = {**_document(case, found), "files": [str(file) for file in files]}
     words = [
         f"{case.name}: small motions about the state at t = {found.time:.9g} s",
@@ -246,6 +287,61 @@ def _write(place: Path, case: Case, found: Linearisation) -> list[Path]:
     with replacing(files[2]) as temporary, temporary.open("wb") as stream:
         np.savez(stream, **arrays)  # type: ignore[arg-type]
     return files
+
+
+def _page(
+    case: Case,
+    folder: OutputFolder,
+    run: PreparedRun,
+    whole: Linearisation,
+    row: NDArray[np.float64],
+    number: int,
+    meshes: Path,
+) -> str:
+    """A page with the scene as it swings in a mode, larger than life; `whole` has all columns as outputs.
+
+    Raises
+    ------
+    InputError
+        If k3d is not installed.
+    """
+    from heavylift.pipeline.drawn.build import case_scene
+    from heavylift.pipeline.page.packing import LibraryMissingError
+    from heavylift.pipeline.page.page import page_content, page_html
+    from heavylift.pipeline.results.histories import ChannelInfo, Results
+
+    simulation, mode = run.simulation, number - 1
+    frequency = float(whole.frequencies[mode])
+    period = 1.0 / frequency if frequency > 0.0 else SHOWN_PERIOD
+    times = np.linspace(0.0, PERIODS * period, PERIODS * FRAMES + 1)
+    swing = whole.C @ whole.vectors[:, mode]
+    moved = [np.abs(shape.displacement[mode]).max(initial=0.0) for shape in whole.shapes.values()]
+    turned = [np.abs(shape.rotation[mode]).max(initial=0.0) for shape in whole.shapes.values()]
+    places = np.array(
+        [row[c.column : c.column + 3] for c in simulation.channels if c.name.endswith(".position")]
+    )
+    size = float(np.ptp(places, axis=0).max(initial=0.0)) or 1.0
+    largest = max(max(moved, default=0.0) / (SHOWN * size), max(turned, default=0.0) / SHOWN, 1e-300)
+    rows = row + np.real(np.exp(2j * np.pi * times / period)[:, None] * swing) / largest
+    for channel in simulation.channels:
+        if channel.name.endswith(".orientation"):
+            q = rows[:, channel.column : channel.column + 4]
+            q /= np.linalg.norm(q, axis=1)[:, None]
+    channels = {
+        c.name: ChannelInfo(c.name, c.unit, tuple(c.components), c.column) for c in simulation.channels
+    }
+    columns = {c.name: rows[:, c.column : c.column + len(c.components)] for c in simulation.channels}
+    results = Results(case.file, times, channels, columns, {"title": case.title}, meshes)
+    content = page_content(
+        case,
+        case_scene(case, folder, run.scene, results),
+        results,
+        verdict=(f"Mode {number}: {whole.words(mode)}", None),
+    )
+    try:
+        return page_html(content)
+    except LibraryMissingError as error:
+        raise InputError(str(error), source="eigen", key="--draw", expected="the package k3d") from None
 
 
 def _named(names: Sequence[str], units: Sequence[str]) -> list[dict[str, str]]:

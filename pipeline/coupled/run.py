@@ -11,7 +11,7 @@ from heavylift.numerics.classes import dataclass
 from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.numerics.units import parse_unit
 from heavylift.pipeline.coupled.scene_system import SceneSystem
-from heavylift.pipeline.coupled.stability import exchange_stability
+from heavylift.pipeline.coupled.stability import EXCHANGES, exchange_stability
 from heavylift.pipeline.coupling.master import Link, Master
 from heavylift.pipeline.exchange.client import ExchangeError, connect, open_child
 from heavylift.pipeline.results.storage import OutputFolder, StopError, read_json, write_json
@@ -30,6 +30,8 @@ __all__ = ["CoupledReport", "CoupledScenes", "coupled_document", "run_coupled"]
 
 WHOLE = 1e-9
 """Of a step, by which a time may be off a whole number of steps."""
+SOON = 1.2
+"""Growth in an exchange that needs no second look."""
 HALVINGS = 12
 """Of an interval, in which a stable one is looked for."""
 
@@ -215,15 +217,22 @@ class CoupledScenes:
     def _stability(self, interval: float) -> ExchangeStability | None:
         """Of the exchange at the start; None if a scene stops while it is looked at."""
         saved = {name: system.save() for name, system in self.systems.items()}
-        count = max(8, min(60, int((self.duration + WHOLE * interval) / interval)))
+        whole = int((self.duration + WHOLE * interval) / interval)
         try:
-            return exchange_stability(
-                self.systems, self.links, self.coupling.exchange.method, 0.0, interval, count=count
-            )
+            found = self._looked_at(interval, max(8, min(EXCHANGES, whole)))
+            if not found.stable and found.growth < SOON and whole > EXCHANGES:
+                # what begins to move grows too; what is not stable goes on to grow
+                found = self._looked_at(interval, min(4 * EXCHANGES, whole))
         except StopError:
             for name, system in self.systems.items():
                 system.restore(saved[name])
             return None
+        return found
+
+    def _looked_at(self, interval: float, count: int) -> ExchangeStability:
+        """Stability over some exchanges."""
+        method = self.coupling.exchange.method
+        return exchange_stability(self.systems, self.links, method, 0.0, interval, count=count)
 
     def _refuse_unstable(self) -> None:
         """Say what would be stable: a shorter interval, or another method."""

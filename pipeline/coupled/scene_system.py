@@ -19,8 +19,8 @@ __all__ = ["SceneSystem"]
 class SceneSystem:
     """Gives a scene values and rates of its inputs, and reads outputs.
 
-    An input that is a place or a length moves from where it is to what it is told of the end of the interval; any other
-    one has the value, and changes at the rate, that it is told.
+    An input that is a place or a length moves from where it is to what it is told of the end of the interval; one that
+    takes no rate has the mean of the interval; any other one has the value, and changes at the rate, that it is told.
 
     Parameters
     ----------
@@ -33,7 +33,7 @@ class SceneSystem:
     def __init__(self, name: str, scene: Simulation | RemoteSimulation, outputs: Sequence[str]) -> None:
         self.name, self.scene = name, scene
         self._outputs = tuple(outputs)
-        self._moving = {name for name, info in scene.inputs.items() if info.interpolation == "linear"}
+        self._kinds = {name: info.interpolation for name, info in scene.inputs.items()}
         self._told: dict[str, tuple[float, float]] = {}
 
     def set(self, values: Mapping[str, float], rates: Mapping[str, float]) -> None:
@@ -43,16 +43,21 @@ class SceneSystem:
     def step(self, time: float, dt: float) -> None:
         """Advance by an interval [s]."""
         del time
-        moves: dict[str, Any] = {
-            name: value + rate * dt if name in self._moving else (value, rate) if rate else value
-            for name, (value, rate) in self._told.items()
-        }
+        moves = {name: self._setting(name, *told, dt) for name, told in self._told.items()}
         try:
             self.scene.step(dt, moves, self._outputs)
         except StopError as error:
             raise StopError(error.outcome, f"{self.name}: {error}") from None
         except InputError as error:
             raise StopError(Outcome.BAD_INPUT, f"{self.name}: {error}") from None
+
+    def _setting(self, name: str, value: float, rate: float, dt: float) -> float | tuple[float, float]:
+        """What is set for an interval that begins with a value and has a rate."""
+        if self._kinds[name] == "linear":
+            return value + rate * dt
+        if self._kinds[name] == "constant":
+            return value + 0.5 * rate * dt
+        return (value, rate) if rate else value
 
     def outputs(self) -> dict[str, float]:
         """What was asked for, now."""

@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 
     from heavylift.pipeline.coupling.master import Link, Method, System
 
-__all__ = ["ExchangeStability", "exchange_stability", "loop_matrix"]
+__all__ = ["EXCHANGES", "ExchangeStability", "exchange_stability", "loop_matrix"]
 
 EXCHANGES = 60
 """Intervals over which answers are measured."""

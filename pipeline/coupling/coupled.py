@@ -108,9 +108,12 @@ class _Scene:
         settings = []
         for name, value in self._values.items():
             rate = self._rates[name]
-            if simulation.inputs[name].interpolation == "linear":
+            kind = simulation.inputs[name].interpolation
+            if kind == "linear":
                 present, _ = simulation.inputs.value(name)
                 settings.append((name, present, (value + rate * dt - present) / dt, until))
+            elif kind == "constant":
+                settings.append((name, value + 0.5 * rate * dt, 0.0, math.inf))
             else:
                 settings.append((name, value, rate, until if rate else math.inf))
         if settings:

@@ -44,6 +44,8 @@ __all__ = ["ExchangeError", "RemoteEvent", "RemoteSimulation", "RemoteState", "c
 
 TIMEOUT = 600.0
 """Until an answer must have come [s], unless another time is given: a first start may compile kernels."""
+LONGEST_TIMEOUT = 1e8
+"""[s]; a longer one is beyond what a system can wait."""
 STOP_SECONDS = 60.0
 """That a child has to write its results and end."""
 PIECE = 2**16
@@ -100,7 +102,8 @@ class RemoteState:
 class RemoteSimulation:
     """A simulation that another process computes: made by `connect` or `open_child`.
 
-    Its methods are those of `heavylift.Simulation`, with the same errors. Within ``with`` it is closed at the end.
+    Its methods are those of `heavylift.Simulation`, with the same errors. Within ``with`` it is closed at the end. It
+    belongs to one thread at a time.
 
     Attributes
     ----------
@@ -108,10 +111,20 @@ class RemoteSimulation:
         Name of its case.
     role
         ``"master"`` or ``"observer"``.
-    time, step_size, duration
-        Where it stands, its step, its end [s].
-    ended
-        Whether time goes no further.
+    time, ended
+        Where it stands [s], and whether time goes no further; of an observer after the last answer.
+    step_size, duration
+        Its step and its end [s].
+
+    Examples
+    --------
+    >>> import heavylift as hl
+    >>> with hl.open_child("cases/hoist") as crane:
+    ...     begin = crane.save()
+    ...     answer = crane.step(1.0)
+    ...     crane.restore(begin)
+    ...     print(crane.case, crane.role, crane.time)
+    hoist master 0.0
     """
 
     def __init__(
@@ -132,11 +145,11 @@ class RemoteSimulation:
         self._values: dict[str, Any] = {}
         self._callbacks: list[Callable[[RemoteEvent], None]] = []
         self._end = weakref.finalize(self, _ended, connection, child)
-        self._ports: tuple[dict[str, InputInfo], dict[str, OutputInfo]] | None = None
+        self._inputs: dict[str, InputInfo] | None = None
         try:
             greeting = self._ask("hello", protocol=PROTOCOL, role=role, token=token)
             self.case, self.role = greeting["case"], greeting["role"]
-            self._described = self._describe()
+            self._outputs = self._describe()
         except BaseException:
             self._end()
             raise
@@ -149,25 +162,25 @@ class RemoteSimulation:
     @property
     def inputs(self) -> Mapping[str, InputInfo]:
         """What may be set, with the values of now."""
-        if self._ports is None:
-            self._describe()
-        assert self._ports is not None
-        return self._ports[0]
+        if self._inputs is None or self.role == "observer":
+            self._refresh()
+        assert self._inputs is not None
+        return self._inputs
 
     @property
     def outcome(self) -> Outcome:
         """How it stands; `Outcome.COMPLETED` as long as nothing is wrong."""
-        return Outcome[self._ask("describe")["outcome"].upper()]
+        return Outcome[self._refresh()["outcome"].upper()]
 
     @property
     def message(self) -> str:
         """Why it has stopped by itself; empty if it has not."""
-        return str(self._ask("describe")["message"])
+        return str(self._refresh()["message"])
 
     @property
     def outputs(self) -> Mapping[str, OutputInfo]:
         """What may be read."""
-        return self._described
+        return self._outputs
 
     def set(self, name: str, value: float, *, rate: float = 0.0, until: float = math.inf) -> None:
         """Drive an input from now on.
@@ -214,7 +227,7 @@ class RemoteSimulation:
         """
         fields: dict[str, Any] = {}
         if dt is not None:
-            fields["dt"] = dt
+            fields["dt"] = _number(dt)
         if inputs:
             fields["inputs"] = _plain(inputs)
         if outputs:
@@ -232,8 +245,7 @@ class RemoteSimulation:
         if missing:
             answer = self._ask("get", outputs=missing)
             if answer["time"] != self.time:  # an observer: the master has stepped meanwhile
-                self._values.clear()
-                self.time = answer["time"]
+                self._changed(answer)
                 missing = list(outputs)
                 answer = self._ask("get", outputs=missing)
             self._values.update(zip(missing, answer["values"], strict=True))
@@ -330,19 +342,29 @@ class RemoteSimulation:
         self.close()
 
     def _describe(self) -> dict[str, OutputInfo]:
-        from heavylift.pipeline.stepping.simulation import InputInfo, OutputInfo
+        """What never changes; the outputs of it."""
+        from heavylift.pipeline.stepping.simulation import OutputInfo
 
         answer = self._ask("describe")
         self.step_size, self.duration = answer["step_size"], answer["duration"]
-        self._changed(answer)
-        outputs = {each["name"]: OutputInfo(**each) for each in answer["outputs"]}
-        self._ports = {each["name"]: InputInfo(**each) for each in answer["inputs"]}, outputs
-        return outputs
+        self.time, self.ended = answer["time"], answer["ended"]
+        return {each["name"]: OutputInfo(**each) for each in answer["outputs"]}
+
+    def _refresh(self) -> dict[str, Any]:
+        """What changes."""
+        from heavylift.pipeline.stepping.simulation import InputInfo
+
+        answer = self._ask("describe", outputs=False)
+        if answer["time"] != self.time:
+            self._changed(answer)
+        self.ended = answer["ended"]
+        self._inputs = {each["name"]: InputInfo(**each) for each in answer["inputs"]}
+        return answer
 
     def _changed(self, answer: Mapping[str, Any]) -> None:
         self.time = answer["time"]
         self.ended = answer.get("ended", self.ended)
-        self._ports = None
+        self._inputs = None
         self._values = {}
 
     def _ask(self, do: str, **fields: Any) -> dict[str, Any]:
@@ -481,6 +503,8 @@ def connect(
     >>> crane = heavylift.connect(token_file="crane.token")  # doctest: +SKIP
     >>> crane.step(0.5, {"gust": 2e4}, outputs=["module.position"])  # doctest: +SKIP
     """
+    msgpack_library()  # before anything begins
+    _check_timeout(timeout)
     if token_file is not None:
         host, port, token = _address(Path(token_file))
     if port is None:
@@ -495,6 +519,15 @@ def connect(
         raise ExchangeError("lost", f"{name}: {words}") from None
     connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
     return RemoteSimulation(connection, name, role=role, token=token)
+
+
+def _check_timeout(timeout: float | None) -> None:
+    if timeout is not None and not 0.0 < timeout < LONGEST_TIMEOUT:
+        raise InputError(
+            f"{timeout}",
+            key="timeout",
+            expected=f"seconds, more than 0 and less than {LONGEST_TIMEOUT:g}, or None",
+        )
 
 
 def _address(path: Path) -> tuple[str, int, str]:
@@ -535,7 +568,17 @@ def open_child(
         If the case is wrong.
     ExchangeError
         If the process does not answer.
+
+    Examples
+    --------
+    >>> import heavylift as hl
+    >>> with hl.open_child("cases/hoist") as crane:
+    ...     answer = crane.step(0.5)
+    ...     print(f"{crane.time:g} s, load at {crane['load.position.z']:.3f} m")
+    0.5 s, load at -49.446 m
     """
+    msgpack_library()  # before anything begins
+    _check_timeout(timeout)
     command = python_command(
         "-c",
         "from heavylift.pipeline.commands.start import main; main()",

@@ -21,6 +21,7 @@ from xml.sax.saxutils import quoteattr
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.units import parse_unit
 from heavylift.pipeline.coupling.compiler import compile_library
+from heavylift.pipeline.exchange.protocol import msgpack_library
 from heavylift.pipeline.results.storage import replacing
 from heavylift.pipeline.stepping.simulation import InputInfo, Simulation
 
@@ -89,6 +90,7 @@ def export_fmu(
     """
     if fmi not in {2, 3}:
         raise InputError(f"{fmi!r}", source="fmu", key="--fmi", expected="2 or 3")
+    msgpack_library()  # by which the unit speaks with its child
     with tempfile.TemporaryDirectory(prefix="heavylift-") as scratch:
         return _export(Path(scratch), path, fmi, out, overrides)
 

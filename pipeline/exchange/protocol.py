@@ -161,7 +161,14 @@ MESSAGES = {
             "describe",
             True,
             "What the simulation has.",
-            (),
+            (
+                Field(
+                    "outputs",
+                    "flag",
+                    "false: the list of outputs, which stays the same, is empty",
+                    needed=False,
+                ),
+            ),
             (
                 Field("inputs", "input list", "what may be set; a limit that there is none of is infinite"),
                 Field(

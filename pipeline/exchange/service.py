@@ -165,11 +165,12 @@ class Service:
         }
 
     def _describe(self, request: dict[str, Any], seat: Seat) -> dict[str, Any]:
-        del request, seat
+        del seat
         simulation = self.simulation
+        listed = simulation.outputs.values() if request.get("outputs", True) else ()
         return {
             "inputs": [asdict(port) for port in simulation.inputs.values()],
-            "outputs": [asdict(port) for port in simulation.outputs.values()],
+            "outputs": [asdict(port) for port in listed],
             "step_size": simulation.step_size,
             "duration": simulation.duration,
             "outcome": simulation.outcome.name.lower(),
@@ -181,7 +182,7 @@ class Service:
     def _set(self, request: dict[str, Any], seat: Seat) -> dict[str, Any]:
         del seat
         simulation, inputs = self.simulation, request["inputs"]
-        before, count = simulation.save() if len(inputs) > 1 else None, len(simulation.input_log)
+        before = simulation.save() if len(inputs) > 1 else None
         try:
             for name, given in inputs.items():
                 value, rate, until = (*given, math.inf)[:3] if type(given) is list else (given, 0.0, math.inf)
@@ -189,7 +190,6 @@ class Service:
         except InputError:
             if before is not None:  # all of them or none
                 simulation.restore(before)
-                del simulation.input_log[count:]
             raise
         return {"time": simulation.time}
 

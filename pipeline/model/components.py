@@ -8,8 +8,10 @@ line of code.
 
 from __future__ import annotations
 
+import contextlib
 import copy
 import inspect
+import re
 import sys
 from functools import cache
 from pathlib import Path
@@ -28,7 +30,7 @@ from heavylift.pipeline.model.plain import plain
 from heavylift.pipeline.model.words import docstring, words_of
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+    from collections.abc import Callable, Iterator, Mapping
 
 __all__ = ["TABLES_OF_CASE", "CaseTable", "Component", "component_class", "component_names"]
 
@@ -46,6 +48,18 @@ class ModelErrors(InputErrors):
 def raised(errors: list[InputError]) -> InputError:
     """One error as it is, or all of several."""
     return errors[0] if len(errors) == 1 else ModelErrors(errors)
+
+
+@contextlib.contextmanager
+def told(located: Callable[[InputError], InputError] | None) -> Iterator[None]:
+    """Errors at the components of a program, if a model says where they are."""
+    try:
+        yield
+    except InputError as error:
+        if located is None:
+            raise
+        parts = error.errors if isinstance(error, InputErrors) else [error]
+        raise raised([located(one) for one in parts]) from None
 
 
 class CaseTable(NamedTuple):
@@ -259,12 +273,20 @@ class Component(metaclass=_ComponentClass):
             self._row.pop(key, None)
         else:
             self._row[key] = given
+        made_at = self._made_at
+        self._tell_line()
         try:
             self._check()
         except InputError:
             self._row.clear()
             self._row.update(before)
+            object.__setattr__(self, "_made_at", made_at)
             raise
+
+    def _tell_line(self) -> None:
+        """Let messages name the line of the program that changes what was read from a file."""
+        if not self._made_at:
+            object.__setattr__(self, "_made_at", line_of_program())
 
     def __getattr__(self, key: str) -> Any:
         if key.startswith("_"):
@@ -347,7 +369,10 @@ def class_of_row(table: str, row: Mapping[str, Any]) -> type[Component]:
 
 def component_class(name: str) -> type[Component] | None:
     """The class with a name; None if there is none."""
-    return next((classes_of(table)[name] for table in TABLES_OF_CASE if name in classes_of(table)), None)
+    word = re.sub(r"(?<=[a-z])(?=[A-Z])", "_", name).lower()
+    # most are in the table of their name, and the sections of others need not be made
+    tables = sorted(TABLES_OF_CASE, key=lambda key: not key.startswith(word))
+    return next((classes_of(table)[name] for table in tables if name in classes_of(table)), None)
 
 
 @cache

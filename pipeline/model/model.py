@@ -9,7 +9,7 @@ import weakref
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from heavylift.numerics.outcome import InputError, InputErrors
+from heavylift.numerics.outcome import InputError
 from heavylift.numerics.words import nearest
 from heavylift.pipeline.case.case_file import CASE_FILE, Case, check_values, make_case, read_document
 from heavylift.pipeline.case.overrides import REMOVED, assign, entry_index
@@ -22,7 +22,7 @@ from heavylift.pipeline.model.components import (
     Component,
     class_of_row,
     line_of_program,
-    raised,
+    told,
 )
 from heavylift.pipeline.model.plain import plain
 from heavylift.pipeline.results.provenance import files_of_case
@@ -391,6 +391,9 @@ class Model:
         self._check_entry(trial, places, source)
         assign(self._document, keys, given, Case, source)
         self._taken = None
+        name = ".".join(places[:1] if TABLES_OF_CASE.get(places[0], _TITLE).form == "single" else places[:2])
+        if len(places) > 1 and name in self:
+            self[name]._tell_line()  # noqa: SLF001
 
     @staticmethod
     def _check_entry(document: Mapping[str, Any], places: Sequence[str], source: str) -> None:
@@ -447,13 +450,9 @@ class Model:
         ['load']
         """
         document = self.document
-        try:
+        with told(self.located):
             check_values(document, self._file)
             return make_case(document, self._file)
-        except InputErrors as error:
-            raise raised([self.located(one) for one in error.errors]) from None
-        except InputError as error:
-            raise self.located(error) from None
 
     def located(self, error: InputError) -> InputError:
         """An error of its case at the component that the program made, or at the key of the case file."""
@@ -615,6 +614,10 @@ def _rename_key(table: dict[str, Any], old: str, new: str) -> None:
     entries = [(new if key == old else key, value) for key, value in table.items()]
     table.clear()
     table.update(entries)
+
+
+_TITLE = CaseTable("title", "single")
+"""What is set where there is no table."""
 
 
 def load(path: Path | str) -> Model:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import contextlib
 import html
+import os
 import shutil
 import tempfile
 import weakref
@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from heavylift.numerics.outcome import InputError, InputErrors, Outcome
-from heavylift.pipeline.model.components import raised
+from heavylift.numerics.outcome import InputError, Outcome
+from heavylift.pipeline.model.components import told
 from heavylift.pipeline.results.histories import ChannelInfo, Results
 from heavylift.pipeline.results.storage import StopError
 
@@ -245,22 +245,11 @@ def start_page(case: Case, located: Callable[[InputError], InputError]) -> str:
     from heavylift.pipeline.report.interactive import start_content
     from heavylift.pipeline.stages.stages import run_case
 
-    with tempfile.TemporaryDirectory(prefix="heavylift-") as folder, _told(located):
+    with tempfile.TemporaryDirectory(prefix="heavylift-") as folder, told(located):
         report = run_case(case, out=folder, stages=("mesh", "modes"))
         if report.outcome is not Outcome.COMPLETED:
             raise StopError(report.outcome, report.message)
         return _html_of(start_content(case, report.folder), f"Model({case.title!r})")
-
-
-@contextlib.contextmanager
-def _told(located: Callable[[InputError], InputError]) -> Iterator[None]:
-    """Errors at the components of a program."""
-    try:
-        yield
-    except InputErrors as error:
-        raise raised([located(one) for one in error.errors]) from None
-    except InputError as error:
-        raise located(error) from None
 
 
 def run_model(
@@ -280,8 +269,14 @@ def run_model(
     except BaseException:
         shutil.rmtree(folder, ignore_errors=True)
         raise
-    weakref.finalize(run, shutil.rmtree, folder, ignore_errors=True)
+    weakref.finalize(run, _remove, folder, os.getpid())
     return run
+
+
+def _remove(folder: Path, process: int) -> None:
+    """Remove the folder of a run that is gone; a copy in a process that was forked goes without it."""
+    if os.getpid() == process:
+        shutil.rmtree(folder, ignore_errors=True)
 
 
 def _run_in(
@@ -295,7 +290,7 @@ def _run_in(
     from heavylift.pipeline.stages.stages import run_case
 
     others = [path for path in reuse if path.resolve() != folder.resolve()]
-    with _told(located):
+    with told(located):
         report = run_case(case, out=folder, stages=_STAGES, log=log, reuse=others)
     results, problem = load_finite_results(case, folder)
     if report.outcome is not Outcome.COMPLETED and (results is None or not len(results.time)):

@@ -19,6 +19,7 @@ from heavylift.numerics.classes import dataclass
 from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.pipeline.case.places import in_case
 from heavylift.pipeline.log import Log
+from heavylift.pipeline.model.components import told
 from heavylift.pipeline.results.storage import OutputFolder, StopError
 from heavylift.pipeline.stages.advance import FIRST_PIECE, next_piece
 from heavylift.pipeline.stages.prepared import compile_parts, new_simulation, prepare_run
@@ -63,7 +64,8 @@ class InputInfo:
     name, unit, sentence
         Name, SI unit, and what it is.
     interpolation
-        ``"held"``: a value acts from the moment at which it is set; ``"linear"``: it is reached at the end of the step.
+        ``"held"``: a value acts from the moment at which it is set; ``"linear"``: it is reached at the end of the step;
+        ``"constant"``: as held, and it takes no rate.
     value
         Now.
     smallest, largest
@@ -156,8 +158,9 @@ class Simulation:
             )
         self._scratch = _Scratch() if out is None else None
         self._folder = OutputFolder(Path(out) if self._scratch is None else self._scratch.path)  # type: ignore[arg-type]
-        make_parts(self.case, self._folder)
-        run = prepare_run(self.case, self._folder, Log(quiet=True))
+        with told(getattr(case, "located", None)):
+            make_parts(self.case, self._folder)
+            run = prepare_run(self.case, self._folder, Log(quiet=True))
         self._scene, self._meshes = run.scene, run.meshes
         self._begin(run.simulation)
         self._past = Past(object(), history).recorded(0, np.zeros(1), self.row[np.newaxis])

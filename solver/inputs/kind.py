@@ -64,16 +64,17 @@ class Inputs(Arrays):
     ----------
     table, state
         The inputs; what they were set to, carried.
-    winches, rubbing_winches, levels, profiles, aims, fields, heights, turns
+    winches, rubbing_winches, held_winches, levels, profiles, aims, fields, heights, turns
         Numbers of the tables that inputs write, carried here: rows of winches, of those of ropes over sheaves that rub,
-        levels of tanks, profiles of drives, aims of controllers, winds and currents, their speeds over the height and
-        their directions; empty where nothing writes them, or a scenario carries them.
+        and of those with a brake, levels of tanks, profiles of drives, aims of controllers, winds and currents, their
+        speeds over the height and their directions; empty where nothing writes them, or a scenario carries them.
     """
 
     carried_fields: ClassVar[tuple[str, ...]] = (
         "state",
         "winches",
         "rubbing_winches",
+        "held_winches",
         "levels",
         "profiles",
         "aims",
@@ -86,6 +87,7 @@ class Inputs(Arrays):
     state: Records[InputState]
     winches: Floats1
     rubbing_winches: Floats1
+    held_winches: Floats1
     levels: Floats1
     profiles: Floats1
     aims: Floats1

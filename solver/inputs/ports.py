@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from difflib import get_close_matches
-from typing import TYPE_CHECKING, Any, NoReturn
+from typing import TYPE_CHECKING, Any, Literal, NoReturn
 
 import numpy as np
 
@@ -38,7 +38,8 @@ class Port:
     sentence
         What it does, in words.
     interpolation
-        ``"held"``: it jumps when it is set; ``"linear"``: it moves to what it is set to.
+        ``"held"``: it jumps when it is set; ``"linear"``: it moves to what it is set to; ``"constant"``: it jumps, and
+        takes no rate.
     smallest, largest
         Limits, infinite if there are none.
     """
@@ -47,7 +48,7 @@ class Port:
     quantity: str
     unit: str
     sentence: str
-    interpolation: Interpolation
+    interpolation: Interpolation | Literal["constant"]
     smallest: float
     largest: float
 
@@ -105,7 +106,7 @@ class InputPorts(Mapping[str, Port]):
                 recorded.quantity,
                 recorded.unit,
                 one.sentence,
-                one.interpolation,
+                "constant" if target.steady else one.interpolation,
                 max(target.lowest, -math.inf if low is None else low),
                 min(target.highest, math.inf if high is None else high),
             )
@@ -118,7 +119,7 @@ class InputPorts(Mapping[str, Port]):
         InputError
             If there is none; names the nearest.
         """
-        port = self._ports.get(name)
+        port = self._ports.get(name) if isinstance(name, str) else None
         if port is None:
             near = get_close_matches(str(name), self._ports, 3, 0.4) or list(self._ports)[:10]
             raise InputError(
@@ -296,7 +297,9 @@ class InputPorts(Mapping[str, Port]):
         found = []
         for key, given in (("value", value), ("rate", rate), ("until", until)):
             try:
-                number = float(given)
+                number = math.nan if isinstance(given, str | bytes) else float(given)
+            except OverflowError:
+                self._refuse(name, f"{key} beyond 1e308", "a finite number")
             except (TypeError, ValueError):
                 number = math.nan
             if math.isnan(number) or (math.isinf(number) and (key != "until" or number < 0.0)):

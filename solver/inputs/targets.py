@@ -165,8 +165,10 @@ class WinchTarget(_Planned):
             count = self._put_place(time, 0.0, -rate, until, linear_speeds=True)
         else:
             count = self._put_speed(time, 0.0, value, rate, until)
-        for _, kind, number, ratio in self._ropes:
+        for place, (_, kind, number, ratio) in enumerate(self._ropes):
             hauled = self._hauled(kind, number, time)
+            if self._by_length and place == 0:  # as the value says, whatever rounding has left before
+                hauled = float(kind.table[number].start_length) - value
             in_python(write_winch)(kind, number, count, time, ratio, hauled, self._plan)
 
     def displace(self, time: float, amount: float) -> None:
@@ -183,6 +185,8 @@ class WinchTarget(_Planned):
         first, why = math.inf, ""
         for name, kind, number, ratio in self._ropes:
             left = float(kind.table[number].start_length) - self._hauled(kind, number, time)
+            if hasattr(kind, "control_state"):  # its brake slips more, perhaps, until then
+                left += float(kind.control_state[number].paid_out)
             last = speed + growth * span if growth != 0.0 else speed
             fastest = max(ratio * speed, ratio * last, 0.0)
             left -= 2.0 * step * (fastest if math.isfinite(fastest) else max(ratio * speed, 0.0))
@@ -237,11 +241,10 @@ class DriveTarget(_Planned):
         """Cubics of the profile."""
         from heavylift.solver.scenario.sequencer import write_profile
 
-        place = self._place(time)
         if self._by_place:
-            count = self._put_place(time, place, rate, until, linear_speeds=False)
+            count = self._put_place(time, value, rate, until, linear_speeds=False)
         else:
-            count = self._put_speed(time, place, value, rate, until)
+            count = self._put_speed(time, self._place(time), value, rate, until)
         if count > 1:  # what is recorded at the end is how the frame came there
             last = self._plan[count - 1]
             longer = LAST * float(last.time)
@@ -491,8 +494,12 @@ class _Binder:
         if "winch" in driven:
             from heavylift.solver.scenario.packing import rope_kinds
 
-            plain, rubbing, _ = rope_kinds(self._kinds[1])
-            found |= {"winches": plain.winches, "rubbing_winches": rubbing.winches}
+            plain, rubbing, held = rope_kinds(self._kinds[1])
+            found |= {
+                "winches": plain.winches,
+                "rubbing_winches": rubbing.winches,
+                "held_winches": held.winches,
+            }
         if "tank" in driven:
             found["levels"] = self._hulls.tank_levels
         if "drive" in driven:

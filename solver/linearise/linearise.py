@@ -13,7 +13,7 @@ joints and ropes, are in them as the step has them.
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,7 +24,10 @@ from heavylift.numerics.records import Record
 from heavylift.numerics.rotation import rotation_matrix
 from heavylift.numerics.threads import one_blas_thread
 from heavylift.numerics.words import nearest
+from heavylift.solver.integrate.integration import Integration
 from heavylift.solver.integrate.loop import write_record
+from heavylift.solver.integrate.trees.forest import Forest
+from heavylift.solver.interface import Systems
 from heavylift.solver.kinds import Table
 from heavylift.solver.linearise.coordinates import Independent
 from heavylift.solver.linearise.drivers import Drivers
@@ -35,13 +38,14 @@ from heavylift.solver.linearise.rates import find_middle
 from heavylift.solver.linearise.result import BodyShape, Linearisation
 from heavylift.solver.linearise.served import check_open, check_served
 from heavylift.solver.start.rows import StartRows, quoted
+from heavylift.solver.stop_message import stop_message
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from heavylift.solver.simulation import Simulation
 
-__all__ = ["linearise"]
+__all__ = ["OutputColumns", "linearise", "output_columns"]
 
 STEP, STEP_MOVING = 1e-7, 1e-5
 """Of the accelerations [s], with a half and a quarter of it; longer about a state that moves, where rounding of the
@@ -67,6 +71,12 @@ MOVES = 1e-5
 VELOCITY = 100.0
 """Velocity of the difference quotients over their displacement [1/s], about a state at rest."""
 
+NO_STEP = {"fresh": 1, "started": 0, "paced": 0}
+"""What carries its elongation and rates from step to step, as before its first one: it takes them from the geometry."""
+
+EXTREMES = ("_max", "_min")
+"""Ends of names of channels that hold extremes of a time, and have no derivative."""
+
 HOLD = 1e-4
 """Part of the softness of rigid rows in a step that is left here."""
 
@@ -91,7 +101,11 @@ ONE_SIDED = 1e-2
 
 @one_blas_thread
 def linearise(
-    simulation: Simulation, inputs: Sequence[str] | None = None, outputs: Sequence[str] | None = None
+    simulation: Simulation,
+    inputs: Sequence[str] | None = None,
+    outputs: Sequence[str] | None = None,
+    *,
+    every: bool = False,
 ) -> Linearisation:
     """Linearise a scene about the present state of a run, which stays as it is, bit for bit.
 
@@ -103,6 +117,8 @@ def linearise(
         Names of inputs; all if None.
     outputs
         Names of outputs, ``OWNER.CHANNEL`` of all components or ``OWNER.CHANNEL.COMPONENT``; none if None.
+    every
+        Take all columns of a record in place of these, as for pictures of modes.
 
     Returns
     -------
@@ -122,7 +138,8 @@ def linearise(
         print(linearise(simulation).table())
     """
     check_served(simulation)
-    columns = _output_columns(simulation, outputs)
+    names = [channel.name for channel in simulation.channels] if every else outputs
+    columns = output_columns(simulation, names, extremes=every)
     simulation.warm_up()
     drivers = Drivers(simulation, inputs)
     kept = _Kept(simulation.layout)
@@ -161,20 +178,23 @@ def _arrays(group: Any) -> Iterator[NDArray[Any]]:
             yield from _arrays(value)
 
 
-class _Columns:
-    """Columns of a record that are outputs."""
+class OutputColumns(NamedTuple):
+    """Columns of a record that are outputs: names, SI units, places."""
 
-    def __init__(self, names: tuple[str, ...], units: tuple[str, ...], places: NDArray[np.int64]) -> None:
-        self.names, self.units, self.places = names, units, places
+    names: tuple[str, ...]
+    units: tuple[str, ...]
+    places: NDArray[np.int64]
 
 
-def _output_columns(simulation: Simulation, names: Sequence[str] | None) -> _Columns:
-    """Of outputs by name.
+def output_columns(
+    simulation: Simulation, names: Sequence[str] | None, *, extremes: bool = False
+) -> OutputColumns:
+    """Of outputs by name, ``OWNER.CHANNEL.COMPONENT`` or a whole ``OWNER.CHANNEL``; none if None.
 
     Raises
     ------
     InputError
-        If a name is unknown.
+        If a name is unknown, or that of an extreme over a time, unless these are allowed.
     """
     every: dict[str, tuple[str, int]] = {}
     whole: dict[str, list[str]] = {}
@@ -193,8 +213,16 @@ def _output_columns(simulation: Simulation, names: Sequence[str] | None) -> _Col
                 key="outputs",
                 expected=f"{near!r}" if near else "OWNER.CHANNEL or OWNER.CHANNEL.COMPONENT",
             )
+        channel_name = name if name in whole else name.rpartition(".")[0]
+        if channel_name.endswith(EXTREMES) and not extremes:
+            raise InputError(
+                f"{name!r} is an extreme over a time",
+                source="linearisation",
+                key="outputs",
+                expected=f"{channel_name[:-4]!r}",
+            )
         chosen += [name] if name in every else whole[name]
-    return _Columns(
+    return OutputColumns(
         tuple(chosen),
         tuple(every[name][0] for name in chosen),
         np.array([every[name][1] for name in chosen], dtype=np.int64),
@@ -211,12 +239,16 @@ class _Probe:
         self._scene = simulation.scene
         self._gravity = float(np.linalg.norm(simulation.scene.gravity))
         self._channels = simulation.channels
-        tables = layout.bodies, layout.forces, layout.joints, layout.systems, layout.work
+        # trees of an integrator record what they have found in its own steps; rows record what was found here
+        kinds = (one for one in layout.systems if not isinstance(one, Forest | Integration))
+        systems = Systems(kinds, layout.systems.groups)
+        tables = layout.bodies, layout.forces, layout.joints, systems, layout.work
         self._middle, self._record = find_middle.with_first(*tables), write_record.with_first(*tables)
         self._row = np.zeros(simulation.column_count)
-        for array in (array for kind in layout.joints for array in _arrays(kind)):
-            if array.dtype.names and "fresh" in array.dtype.names:  # elongations are those of the geometry
-                array["fresh"] = 1
+        for array in (array for kind in (*layout.joints, *layout.forces) for array in _arrays(kind)):
+            for name, value in NO_STEP.items():
+                if name in (array.dtype.names or ()):
+                    array[name] = value
         self._rows = rows = StartRows(layout, self._time)
         self._system = next((one for one in layout.systems if "monitor" in one._fields), None)
         if self._system is not None:
@@ -232,6 +264,8 @@ class _Probe:
             )
         self._velocity = self._motions.velocity
         moves = bool(np.abs(self._velocity).max(initial=0.0) > MOVES)
+        spins = (first for first in self._motions.firsts if self._velocity[first + 3 : first + 6].any())
+        self._spinning = list(spins)
         self._step = STEP_MOVING if moves else STEP
         self._difference = DIFFERENCE_MOVING if moves else DIFFERENCE
         self._size = self._extent()
@@ -274,6 +308,13 @@ class _Probe:
         found = []
         for step in (self._step, 0.5 * self._step, 0.25 * self._step):
             self._middle(self._time, step)
+            if self._layout.work.status.outcome != 0:
+                raise InputError(
+                    stop_message(self._layout, "beside the state"),
+                    source="linearisation",
+                    key="state",
+                    expected="a state from which a step can be made",
+                )
             found.append((self._motions.middle() - before) * (2.0 / step))
         if self._system is not None:
             self._system.rows["reaction"] = self._system.rows["impulse"] * (2.0 / step)
@@ -293,7 +334,7 @@ class _Probe:
         free.put_velocity(self._w + w)
         self._memory.put(self._m + m)
         speed = motions.velocity - self._velocity
-        for first in motions.firsts:  # in axes that turn
+        for first in self._spinning:  # in axes that turn
             spin = self._velocity[first + 3 : first + 6]
             speed[first + 3 : first + 6] -= np.cross(spin, increment[first + 3 : first + 6])
         self._all = self._acceleration()
@@ -302,7 +343,7 @@ class _Probe:
         self._record(self._time, self._row)
         return np.concatenate([*rates, self._row])
 
-    def linearise(self, columns: _Columns) -> Linearisation:
+    def linearise(self, columns: OutputColumns) -> Linearisation:
         """Differences by all states and inputs."""
         n, more, drivers = len(self._w), len(self._m), self._drivers
         count, given = 2 * n + len(drivers.places) + more, len(drivers.columns)
@@ -436,6 +477,8 @@ class _Probe:
                 f"the state moves at {speed:.3g} m/s in the mean over the masses: the matrices are those of this"
                 " instant"
             )
+        if self._layout.controllers is not None:
+            found.append("controllers of ballast leave their pumps as they are")
         if self._drivers.left_out:
             found.append(f"no columns of {quoted(self._drivers.left_out)}, which have no linear motion here")
         if bent:

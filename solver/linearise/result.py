@@ -180,6 +180,23 @@ class Linearisation:
             lines.append(f"and {len(self.eigenvalues) - len(of_bodies)} of the memory of the water")
         return "\n".join(lines)
 
+    def words(self, mode: int) -> str:
+        """A mode as words: frequency, period, damping, and what moves most.
+
+        Parameters
+        ----------
+        mode
+            Its number, from 0 on.
+        """
+        s, frequency = self.eigenvalues[mode], float(self.frequencies[mode])
+        if s == 0.0:
+            what = "free"
+        elif frequency == 0.0:
+            what = f"{'grows' if s.real > 0.0 else 'fades'} in {1.0 / abs(s.real):.4g} s"
+        else:
+            what = f"{frequency:.4g} Hz, period {1.0 / frequency:.4g} s, damping {self.damping[mode]:.2g}"
+        return f"{what}: {self._movers(mode)}"
+
     def _movers(self, mode: int) -> str:
         """What has most of the energy: bodies, and the axes of the world along or about which they move most."""
         parts = []

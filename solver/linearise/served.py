@@ -88,6 +88,8 @@ def _reasons(scene: Scene) -> Iterator[str]:
     for one in (*scene.ropes, *scene.forces):
         if reason := getattr(one, "NOT_LINEAR", ""):
             yield f"{one.name!r} {reason}"
+        elif getattr(one, "friction", 0.0) > 0.0:
+            yield f"{one.name!r} slides with friction, and sticks at rest"
     for rope in scene.ropes:
         if rubbing_places(rope):
             yield f"rope {rope.name!r} sticks and slides on its sheaves"

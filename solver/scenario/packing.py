@@ -118,7 +118,7 @@ def with_drives(scene: Any) -> Any:
         pumped=pumped,
         vehicles=vehicles,
         capacities=capacities,
-        releases=releases_of(scene.joints, scene.forces),
+        releases=releases_of(scene.joints, (*scene.forces, *scene.inputs)),
         helpers=helpers_of(
             () if scene.sea is None else scene.sea.pumps,
             () if scene.sea is None else scene.sea.controllers,

@@ -341,7 +341,7 @@ def check_inputs(
             continue
         target, key = described.target.fget(one), f"inputs.{number}.{described.TARGET}"
         try:
-            _check_target(described.DRIVES, target, key, state, known)
+            _check_target(described, target, key, state, known)
         except InputError as error:
             raise InputError(error.problem, source=one.name, key=error.key, expected=error.expected) from None
         problem, expected = "", "one input for each"
@@ -359,11 +359,12 @@ def check_inputs(
 
 
 def _check_target(
-    drives: str, target: str, key: str, state: OperationState, known: Mapping[str, Any]
+    described: Any, target: str, key: str, state: OperationState, known: Mapping[str, Any]
 ) -> None:
     """What an input drives is there, and can be driven."""
+    drives = described.DRIVES
     if drives == "winch":
-        _check_winch(state.winch(target, key), key)
+        _check_winch(state.winch(target, key), key, by_length=described.MOVES)
     elif drives == "drive":
         state.drive(target, key)
     elif drives == "tank":
@@ -372,12 +373,12 @@ def _check_target(
         known_thing("controller" if drives == "controller" else "wind or current", target, known[drives], key)
 
 
-def _check_winch(rope: Any, key: str) -> None:
-    """A rope whose winch has no plan of its own, and answers to no tension."""
+def _check_winch(rope: Any, key: str, *, by_length: bool) -> None:
+    """A rope whose winch has no plan of its own, and keeps no tension; with a brake that slips no length is kept."""
     winch = rope.winch
     if winch is None:
         return
-    for told in ("lengths", "tensions", "brake", "follow"):
+    for told in ("lengths", "tensions", "follow", *["brake"] * by_length):
         value = getattr(winch, told)
         if value is not None and (isinstance(value, str | float) or len(value)):
             raise InputError(

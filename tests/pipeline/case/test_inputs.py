@@ -122,6 +122,11 @@ BAD = {
         r"inputs.1.value: 0 is above 'largest'; expected at most -1",
     ),
     "interpolation": (table("force", *PLACE, 'interpolation = "cubic"'), r"inputs.1.interpolation: 'cubic'"),
+    "released joint": (
+        table("joint_load", 'joint = "pin"')
+        + '[[scenario.phases]]\nname = "p"\nactions = [{ release = "pin" }]\n',
+        r"scenario.phases.0.actions.0.*: 'pin' has 'a' along it",
+    ),
     "scenario": (
         '[[scenario.phases]]\nname = "p"\nactions = [{ winch = "hoist", speed = 0.1 }]\n',
         r"inputs.0.rope: 'hoist' is commanded by the scenario too",

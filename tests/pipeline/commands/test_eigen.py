@@ -97,6 +97,14 @@ def test_at_a_time_it_is_what_stepping_gives(case: Path, capsys: pytest.CaptureF
     assert "not in balance" in document["warnings"][0]
 
 
+def test_a_page_of_a_mode(case: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """The scene swings in it; its heading says in which."""
+    assert run(case, "--at", "rest", "--draw", "4") == 0
+    capsys.readouterr()
+    page = (case / "out" / "eigen" / "mode_4.html").read_text(encoding="utf-8")
+    assert "Mode 4: 0.1114 Hz, period 8.98 s, damping" in page
+
+
 @pytest.mark.parametrize(
     ("words", "message"),
     [
@@ -105,6 +113,7 @@ def test_at_a_time_it_is_what_stepping_gives(case: Path, capsys: pytest.CaptureF
         (("--at", "later"), "expected start, rest, or a time from 0 to 2 s"),
         (("--output", "hoist.tensoin"), "no output 'hoist.tensoin'; expected 'hoist.tension'"),
         (("--input", "pull"), "'pull' is no input"),
+        (("--draw", "7"), "7; expected a mode from 1 to 6"),
         (("--set", "simulate.integrator=thesis"), "thesis"),
     ],
 )

@@ -8,6 +8,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import heavylift as hl
@@ -123,6 +124,28 @@ def test_several_inputs_are_set_all_or_none(served, driven):
     assert answer["error"]["kind"] == "input"
     assert driven.inputs["gust"].value == 1e5
     assert driven.input_log == log
+
+
+def test_an_observer_sees_what_the_master_sets(served):
+    with served.client() as master:
+        observer = served.client("observer")
+        for number in range(3):
+            master.step(0.1, {"gust": 1e3 * number}, outputs=NAMES)
+            assert observer.inputs["gust"].value == 1e3 * number == master.inputs["gust"].value
+            assert observer.time == master.time
+            assert observer.get(NAMES) == master.get(NAMES)
+        master.step(served.simulation.duration - master.time)
+        assert observer.outcome is hl.Outcome.COMPLETED
+        assert observer.ended
+
+
+def test_numbers_of_numpy_are_numbers(served):
+    with served.client() as remote:
+        remote.step(np.float32(0.25), {"gust": np.int64(5)}, outputs=("gust.value",))
+        assert (remote.time, remote["gust.value"]) == (0.25, 5.0)
+        remote.set("gust", np.array(7.0))
+        remote.step()
+        assert remote["gust.value"] == 7.0
 
 
 def test_nothing_is_set_after_the_end(served, driven):

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import heavylift as hl
+from heavylift.pipeline import load_case, load_results, run_case
 from heavylift.pipeline.exchange.service import Seat, Service
 from tests.pipeline.exchange.processes import COMMAND, HOIST
 
@@ -76,6 +77,23 @@ def test_results_of_a_driven_run_are_read_by_other_commands(command, tmp_path):
         assert done.returncode == 0, done.stderr
     assert "Traceback" not in done.stderr
     assert (case / "out" / "simulate" / "results.h5").read_bytes() == before  # nothing is computed again
+
+
+@pytest.mark.slow
+def test_simulate_continues_what_a_master_has_left(tmp_path):
+    """With the bits of a run in one go, since nothing was driven."""
+    case = load_case(HOIST)
+    with hl.open_child(HOIST, out=tmp_path / "left") as remote:
+        remote.step(7.0)
+    assert load_results(case, tmp_path / "left").time[-1] == 7.0
+    whole = {}
+    for name in ("left", "fresh"):
+        report = run_case(case, out=tmp_path / name, stages=("simulate",)).stages[-1]
+        assert report.outcome is hl.Outcome.COMPLETED
+        whole[name] = load_results(case, tmp_path / name)
+    for channel in whole["fresh"]:
+        assert whole["left"][channel].tobytes() == whole["fresh"][channel].tobytes(), channel
+    assert whole["left"].time.tobytes() == whole["fresh"].time.tobytes()
 
 
 @pytest.mark.slow

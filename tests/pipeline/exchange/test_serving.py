@@ -214,3 +214,21 @@ def test_what_is_no_address_file(tmp_path):
         hl.connect(token_file=tmp_path / "nothing")
     with pytest.raises(InputError, match="port"):
         hl.connect("127.0.0.1", token="x")  # noqa: S106
+
+
+@pytest.mark.parametrize("begin", [lambda: hl.connect(port=1, token="x"), lambda: hl.open_child(HOIST)])  # noqa: S106
+def test_without_the_library_nothing_begins(begin, monkeypatch):
+    monkeypatch.setitem(sys.modules, "msgpack", None)
+    monkeypatch.setattr(subprocess, "Popen", lambda *_, **__: pytest.fail("a process was started"))
+    with pytest.raises(InputError, match=r"pip install 'heavylift\[serve\]'"):
+        begin()
+    with pytest.raises(InputError, match=r"heavylift\[serve\]"):
+        serve_case(HOIST, port=0, pipe=False, log=Log())
+
+
+@pytest.mark.parametrize("timeout", [0.0, -1.0, float("nan"), float("inf")])
+def test_times_that_nobody_can_wait(timeout):
+    with pytest.raises(InputError, match="timeout"):
+        hl.open_child(HOIST, timeout=timeout)
+    with pytest.raises(InputError, match="timeout"):
+        hl.connect(port=1, token="x", timeout=timeout)  # noqa: S106

@@ -134,6 +134,23 @@ def test_what_python_takes_for_equal_is_written_as_it_is(tmp_path):
     assert repr(hl.load(file).document) == repr(model.document)
 
 
+def test_what_a_program_changed_of_a_case_is_told_with_its_line():
+    model = hl.load(CASES / "hoist")
+    model["load"].frame = {"motion": "fixed"}
+    model.set("ropes.fall.path.1.body", "laod")
+    model.remove("reference.tension")
+    lines = message(model.case).splitlines()
+    assert re.match(r"test_model.py:\d+: Rope\('fall'\).path.1.body: body 'laod' does not exist", lines[0])
+    assert str(CASES / "hoist" / "case.toml") in lines[1]  # a check of the history that is gone
+
+
+def test_errors_of_the_start_are_told_with_the_line_too():
+    model = pendulum()
+    model["line"].length = "2 m"
+    for run in (model.run, lambda: hl.Simulation(model)):
+        assert re.match(r"test_model.py:\d+: Rope\('line'\).length: .*shorter", message(run))
+
+
 def test_entries_of_lists_are_set_by_name_on_the_command_line_too():
     case = load_case(CASES / "hoist", ["ropes.fall.length=101 m", "check.error.reference=1"])
     assert case.ropes[0].length == 101.0

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import html
+import os
 import re
 import sys
 import tempfile
@@ -167,6 +168,17 @@ def test_nothing_is_left_behind(tmp_path, monkeypatch):
     with pytest.raises(hl.InputError, match=r"test_results.py:\d+: Rope\('none'\)"):
         model.run()
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_forked_process_leaves_the_folder_of_a_run_alone():
+    found = falling().run()
+    child = os.fork()
+    if child == 0:
+        del found
+        os._exit(0)
+    assert os.waitpid(child, 0)[1] == 0
+    assert found.out.is_dir()
+    assert found["ball.velocity"].shape == (11, 3)  # read from there when it is first asked for
 
 
 def test_a_folder_in_which_another_run_works_is_told(tmp_path):

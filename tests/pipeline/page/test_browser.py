@@ -21,6 +21,7 @@ import numpy as np
 import pytest
 from made_pages import lift_case, lift_motion, lifted, made_content, made_results
 
+import heavylift as hl
 from heavylift.pipeline.assemble.scene import assemble_scene
 from heavylift.pipeline.case.case_file import load_case
 from heavylift.pipeline.commands.live import LiveRun, serve
@@ -647,3 +648,22 @@ def test_the_server_answers_its_own_page_alone(tmp_path):
     finally:
         server.shutdown()
         server.server_close()
+
+
+def test_a_run_in_a_cell_of_a_notebook_is_drawn_by_itself(page, tmp_path):
+    """In a frame without a way to the notebook around it."""
+    run = hl.load(CASES / "hoist").run()
+    cell = tmp_path / "cell.html"
+    cell.write_text(
+        f"<!DOCTYPE html><title>notebook</title><body>{run._repr_html_()}</body>", encoding="utf-8"
+    )
+    page.driver.get(cell.as_uri())
+    page.driver.switch_to.frame(0)
+    page.wait("window.heavylift && (heavylift.state.ready || heavylift.state.error !== '')")
+    assert page("heavylift.state.error") == ""
+    assert page("document.title") == run.case.title
+    assert page("window.origin") == "null"  # nothing of the notebook is within its reach
+    page.do("heavylift.seek(20.0)")
+    page.settle()
+    assert page("heavylift.clock.now") == 20.0
+    assert page.errors() == []

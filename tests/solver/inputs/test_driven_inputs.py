@@ -171,13 +171,51 @@ def test_two_inputs_of_one_winch_are_refused() -> None:
     [
         ({"times": [0.0, 1.0], "speeds": [0.0, 1.0]}, "the winch of 'hoist' has 'speeds'"),
         ({"times": [0.0], "tensions": [20.0], "speed": 1.0}, "the winch of 'hoist' has 'tensions'"),
-        ({"brake": 100.0}, "the winch of 'hoist' has 'brake'"),
     ],
 )
 def test_a_winch_with_a_plan_of_its_own_is_refused(winch: dict[str, Any], words: str) -> None:
     arrays = {key: np.array(value) if isinstance(value, list) else value for key, value in winch.items()}
     scene = hoist(Winch(**arrays), inputs=(WinchSpeedInput(name="a", rope="hoist"),))
     with pytest.raises(InputError, match=words):
+        Simulation(scene, 0.1)
+
+
+def test_a_brake_slips_while_its_winch_is_driven() -> None:
+    """Hauled in so fast that the brake gives rope: with the bits of a table, and more rope than the winch hauls in."""
+    plan = Winch(times=np.array([0.0, 0.1, 0.2]), speeds=np.array([0.0, 0.0, 6.0]), brake=60.0)
+    one = Simulation(hoist(plan), 0.01)
+    driving = hoist(Winch(brake=60.0), inputs=(WinchSpeedInput(name="haul", rope="hoist"),))
+    other = Simulation(driving, 0.01)
+    expected = one.advance(100)[1]
+    found = driven(other, {10: ("haul", 0.0, 6.0 / 0.1, 0.2)}, 60)
+    third = Simulation(driving, 0.01)
+    third.set_input("haul", -1.0)
+    third.advance(2)
+    third.restore(other.state())
+    rest = other.advance(40)[1]
+    np.testing.assert_array_equal(third.advance(40)[1], rest)
+    for name in ("hoist.tension", "hoist.paid_out", "hoist.rest_length"):
+        np.testing.assert_allclose(
+            column(other, name, np.concatenate([found, rest])),
+            column(one, name, expected),
+            rtol=1e-9,
+            atol=1e-9,
+        )
+    slipped = column(one, "hoist.paid_out", expected)[-1]
+    assert slipped > 0.5
+    times, records = other.advance(1000)
+    assert other.outcome is Outcome.LIMIT_REACHED
+    hauled = 0.3 + 6.0 * (times[-1] - 0.2)
+    rope = column(other, "hoist.paid_out", records)[-1]
+    np.testing.assert_allclose(
+        column(other, "hoist.rest_length", records)[-1], 10.0 - hauled + rope, rtol=1e-9
+    )
+    assert 0.0 < 10.0 - hauled + rope < 3.0 * 6.0 * 0.01
+
+
+def test_a_length_is_not_that_of_a_brake_that_slips() -> None:
+    scene = hoist(Winch(brake=100.0), inputs=(WinchLengthInput(name="a", rope="hoist"),))
+    with pytest.raises(InputError, match="the winch of 'hoist' has 'brake'"):
         Simulation(scene, 0.1)
 
 

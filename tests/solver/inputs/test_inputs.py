@@ -150,6 +150,17 @@ def test_a_length_of_a_rope_moves_and_is_held() -> None:
     np.testing.assert_allclose(value, rest, rtol=1e-12)
 
 
+def test_many_settings_of_a_length_do_not_drift() -> None:
+    """To the last bit what the input says, after a thousand of them."""
+    simulation = Simulation(hoist(inputs=(WinchLengthInput(name="length", rope="hoist"),)), 0.001)
+    for index in range(1000):
+        now = simulation.inputs.value("length")[0]
+        simulation.set_input("length", now, math.sin(index), simulation.time + 0.001)
+        records = simulation.advance(1)[1]
+    rest, value = (column(simulation, name, records)[0] for name in ("hoist.rest_length", "length.value"))
+    assert abs(rest - value) <= 2.0 * np.spacing(value)
+
+
 @pytest.mark.parametrize("integrator", ["dele2", "accurate"])
 def test_a_run_ends_before_a_rope_is_used_up(integrator: str) -> None:
     """Two steps before; what was computed stays, and nothing can be set behind it."""
@@ -290,6 +301,10 @@ BAD: tuple[tuple[tuple[Any, ...], str], ...] = (
     (("push", math.inf), r"value inf"),
     (("push", "a lot"), r"value 'a lot'"),
     (("push", None), r"value None"),
+    (("push", "1.0"), r"value '1.0'; expected a finite number"),
+    (("push", 10**5000), r"value beyond 1e308; expected a finite number"),
+    (("push", [1.0, 2.0]), r"value \[1.0, 2.0\]"),
+    ((["push"], 1.0), r"'push'.* is no input"),
     (("push", 1.0, math.nan, 1.0), r"rate nan"),
     (("push", 1.0, 1.0, -math.inf), r"until -inf"),
     (("push", 1.0, 0.0, 0.1), r"until 0.1 s, and it is t = 0.1 s; expected a later time"),
@@ -302,7 +317,7 @@ BAD: tuple[tuple[tuple[Any, ...], str], ...] = (
 )
 
 
-@pytest.mark.parametrize(("setting", "words"), BAD, ids=[str(one[0]) for one in BAD])
+@pytest.mark.parametrize(("setting", "words"), BAD, ids=[str(place) for place in range(len(BAD))])
 def test_a_bad_setting_is_refused_and_changes_nothing(setting: tuple[Any, ...], words: str) -> None:
     simulation = Simulation(hoist(inputs=LIMITED), 0.1)
     simulation.set_input("push", 2.0)

@@ -12,17 +12,19 @@ from scipy.linalg import eigh, expm
 from start_scenes import joint, linkage, parallelograms
 
 from heavylift.numerics.outcome import InputError
+from heavylift.solver.force_elements.maxwell_rope import MaxwellRope
 from heavylift.solver.force_elements.wire_rope import Rope
 from heavylift.solver.forces.spring import Spring
-from heavylift.solver.inputs.drives import FramePositionInput, FrameSpeedInput
+from heavylift.solver.inputs.drives import DriveSpeedInput, FramePositionInput, FrameSpeedInput
 from heavylift.solver.inputs.force import ForceInput
 from heavylift.solver.inputs.winches import WinchLengthInput, WinchSpeedInput
 from heavylift.solver.joints.ball import Ball
 from heavylift.solver.joints.fixed import FixedJoint
+from heavylift.solver.joints.hinge import Hinge
 from heavylift.solver.linearise.linearise import linearise
 from heavylift.solver.linearise.result import Linearisation
 from heavylift.solver.scene.connections import GROUND, RopePoint, Winch
-from heavylift.solver.scene.scene import Fixed, Gravity, RigidBody, Scene
+from heavylift.solver.scene.scene import Fixed, Gravity, Profile, RigidBody, Scene
 from heavylift.solver.simulation import Simulation
 
 G = 9.81
@@ -254,6 +256,10 @@ def test_unknown_output() -> None:
     simulation = Simulation(scene, 0.01)
     with pytest.raises(InputError, match=r"no output 'load.positon'.*'load.position'"):
         linearise(simulation, outputs=["load.positon"])
+    with pytest.raises(
+        InputError, match=r"'s0.tension_max' is an extreme over a time; expected 's0.tension'"
+    ):
+        linearise(simulation, outputs=["s0.tension_max"])
     found = linearise(simulation, outputs=["s0.tension", "load.position.z"])
     assert found.output_units == ("N", "m")
     k = EA * (1.0 + MASS * G / EA) / 7.0
@@ -359,3 +365,117 @@ def test_joints_that_leave_no_motion() -> None:
     scene = Scene((body,), (DOWN,), (), (joint(FixedJoint, "weld", None, body, (0, 0, 0)),))
     with pytest.raises(InputError, match="the joints leave no motion"):
         of(scene)
+
+
+@pytest.mark.parametrize("integrator", ["dele2", "accurate"])
+def test_a_swinging_rod_at_a_time_of_its_run(integrator: str) -> None:
+    """``x = sin t / 2, t'' = -3 g/2 sin t`` in the x of the centre of a rod of 1 m; the run keeps its bits."""
+    scene = linkage([(0, 0, 0), (1, 0, 0)], closed=False)
+    simulation, other = (Simulation(scene, 0.01, integrator) for _ in range(2))
+    simulation.advance(40)
+    other.advance(40)
+    columns = {channel.name: channel.column for channel in simulation.channels}
+    row = simulation.record()
+    other.record()
+    found = linearise(simulation)
+    assert found.states == ("r0.x", "r0.velocity.x")
+    assert "not in balance" in found.warnings[0]
+
+    def acceleration(x: complex, speed: complex) -> complex:
+        turn = np.arcsin(2.0 * x)
+        rate = 2.0 * speed / np.cos(turn)
+        return -0.75 * G * np.sin(turn) * np.cos(turn) - 0.5 * np.sin(turn) * rate**2
+
+    x, speed = row[columns["r0.position"]], row[columns["r0.velocity"]]
+    assert x > 0.1
+    tiny = 1e-20
+    expected = [
+        acceleration(x + 1j * tiny, speed).imag / tiny,
+        acceleration(x, speed + 1j * tiny).imag / tiny,
+    ]
+    assert found.A[1] == pytest.approx(expected, rel=1e-5)
+    assert found.A[0] == pytest.approx([0.0, 1.0], abs=1e-9)
+    assert simulation.advance(20)[1].tobytes() == other.advance(20)[1].tobytes()
+
+
+def test_what_has_no_linear_motion_is_refused() -> None:
+    """All reasons at once, by name."""
+    scene = linkage([(0, 0, 0), (0, -1, 0)], closed=False)
+    rubbing = replace(scene.joints[0], friction=2.0)
+    places = (RopePoint("r0", np.zeros(3)), RopePoint(GROUND, np.array([2.0, 0.0, 0.0])))
+    strap = MaxwellRope(name="strap", path=places, stiffness=1e6, viscosity=1e7)
+    over = (places[0], RopePoint(GROUND, np.array([1.0, 0.0, 0.0]), efficiency=0.97), places[1])
+    fall = Rope(name="fall", path=over, axial_stiffness=1e6)
+    bad = replace(scene, joints=(rubbing,), ropes=(strap, fall))
+    with pytest.raises(InputError) as caught:
+        of(bad)
+    for words in ("'strap' creeps", "'fall' sticks and slides on its sheaves", "'h0' has dry friction"):
+        assert words in caught.value.problem
+
+
+def test_outputs_after_steps_are_those_of_the_start() -> None:
+    """What springs, ropes and joints carry from step to step hides no rate and no elongation."""
+    rod_below = linkage([(0, 0, 0), (0, -1, 0)], closed=False)
+    spring = Spring(
+        name="spring", body_a=GROUND, point_a=np.array([2.0, -0.5, 0.0]), body_b="r0", point_b=np.zeros(3),
+        length=2.0, stiffness=300.0, damping=20.0,
+    )  # fmt: skip
+    names = ["spring.force", "h0.reaction_force", "h0.angle"]
+    for integrator in ("dele2", "accurate"):
+        simulation = Simulation(replace(rod_below, forces=(*rod_below.forces, spring)), 0.01, integrator)
+        before = linearise(simulation, outputs=names)
+        x, v = (before.states.index(name) for name in ("r0.x", "r0.velocity.x"))
+        # the spring pushes the rod at its centre: m L2/3 t'' = -m g L/2 t - (k x + c x') L/2
+        restoring = np.array([1.5 * G + 0.75 * 300.0, 0.75 * 20.0])
+        assert -before.A[1, [x, v]] == pytest.approx(restoring, rel=1e-7)
+        assert np.abs(before.C[0, [x, v]]) == pytest.approx([300.0, 20.0], rel=1e-7)
+        expected = -restoring + [300.0, 20.0]  # m x'' = R - k x - c x'
+        assert np.abs(before.C[1, [x, v]]) == pytest.approx(np.abs(expected), rel=1e-6)
+        assert np.abs(before.C[4, [x, v]]) == pytest.approx([2.0, 0.0], rel=1e-6, abs=1e-9)
+        simulation.advance(20)
+        after = linearise(simulation, outputs=names)
+        np.testing.assert_allclose(after.C, before.C, rtol=1e-6, atol=1e-5)
+
+
+def test_tension_of_a_damped_rope_after_steps() -> None:
+    """``EA/l z + c z'``."""
+    simulation = Simulation(hoisted(damping=2e4), 0.01)
+    simulation.advance(20)
+    found = linearise(simulation, outputs=["s0.tension"])
+    place, speed = (found.states.index(name) for name in ("load.z", "load.velocity.z"))
+    k = EA * (1.0 + MASS * G / EA) / 10.0
+    assert found.C[0, [place, speed]] == pytest.approx([-k, -2e4], rel=1e-6)
+
+
+def test_inputs_are_left_as_they_are() -> None:
+    """Tables of drives, winches and loads, in the middle of what they do: the run goes on with the same bits."""
+    trolley = RigidBody("trolley", 500.0, np.eye(3), position=np.array([0, 0, 12.0]), motion=Fixed())
+    load = RigidBody("load", MASS, np.diag(INERTIA))
+    arm = RigidBody("arm", 100.0, 50.0 * np.eye(3), position=np.array([5.0, 0, 12.0]))
+    winch = Winch(times=np.zeros(1), speeds=np.zeros(1))
+    hoist = replace(rope("hoist", (0, 0, 0), "load", (0, 0, 1.0), MASS * G, above="trolley"), winch=winch)
+    still = Profile(times=np.zeros(1), speeds=np.zeros(1))
+    pin = replace(joint(Hinge, "pin", None, arm, (5.0, 0, 12.0)), drive=still)
+    inputs = (
+        FrameSpeedInput(name="travel", body="trolley", axis="x"),
+        WinchSpeedInput(name="haul", rope="hoist"),
+        DriveSpeedInput(name="turn", joint="pin"),
+        ForceInput(name="push", body="load", point=np.zeros(3), direction=np.array([0.0, 1.0, 0.0])),
+    )
+    scene = Scene((trolley, load, arm), (DOWN,), (), (pin,), (hoist,), inputs=inputs)
+    one, other = Simulation(scene, 0.01), Simulation(scene, 0.01)
+    for simulation in (one, other):
+        simulation.set_inputs(
+            [
+                ("travel", 0.1, 0.2, 0.5),
+                ("haul", 0.05, 0.0, np.inf),
+                ("turn", 0.3, -0.1, 2.0),
+                ("push", 9.0, 1.0, 3.0),
+            ]
+        )
+        simulation.advance(30)
+    found = linearise(one)
+    assert found.inputs == ("travel", "travel.rate", "haul", "haul.rate", "turn", "turn.rate", "push")
+    assert one.advance(60)[1].tobytes() == other.advance(60)[1].tobytes()
+    before, after = one.state(), other.state()
+    assert all(before[name].tobytes() == after[name].tobytes() for name in before if name != "cpu_seconds")
