@@ -26,6 +26,7 @@ from heavylift.pipeline.stages.prepared import compile_parts, new_simulation, pr
 from heavylift.pipeline.stages.stages import load_changed_case, make_parts
 from heavylift.pipeline.stepping.past import InputChange, Past
 from heavylift.pipeline.stepping.state import State
+from heavylift.solver.recorded_numbers import recorded_numbers
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -250,12 +251,10 @@ class Simulation:
     @property
     def outputs(self) -> Mapping[str, OutputInfo]:
         """All numbers that are recorded, by name."""
-        found = {}
-        for channel in self._solver.channels:
-            for part in channel.components:
-                name = f"{channel.name}.{part}" if len(channel.components) > 1 else channel.name
-                found[name] = OutputInfo(name, channel.unit, channel.sentence)
-        return MappingProxyType(found)
+        numbers = recorded_numbers(self._solver.channels)
+        return MappingProxyType(
+            {name: OutputInfo(name, one.unit, one.sentence) for name, one in numbers.items()}
+        )
 
     def columns(self, names: Sequence[str]) -> NDArray[np.int64]:
         """Places of some outputs in `row`: ``sim.row[sim.columns(names)]`` reads them at once.
@@ -704,13 +703,8 @@ def _case_of(case: Any, overrides: Sequence[str]) -> Case:
 
 def _columns_of(solver: Solver) -> dict[str, int | slice]:
     """Columns of a record by the names of outputs and channels."""
-    found: dict[str, int | slice] = {}
-    for channel in solver.channels:
-        count = len(channel.components)
-        if count == 1:
-            found[channel.name] = channel.column
-            continue
-        found[channel.name] = slice(channel.column, channel.column + count)
-        for k, part in enumerate(channel.components):
-            found[f"{channel.name}.{part}"] = channel.column + k
-    return found
+    found: dict[str, int | slice] = {
+        channel.name: slice(channel.column, channel.column + len(channel.components))
+        for channel in solver.channels
+    }
+    return found | {name: one.column for name, one in recorded_numbers(solver.channels).items()}
