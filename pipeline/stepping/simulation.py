@@ -8,6 +8,7 @@ import tempfile
 import time as clock
 import weakref
 from difflib import get_close_matches
+from functools import cached_property
 from numbers import Real
 from pathlib import Path
 from types import MappingProxyType
@@ -165,6 +166,16 @@ class Simulation:
         self._scene, self._meshes = run.scene, run.meshes
         self._begin(run.simulation)
         self._past = Past(object(), history).recorded(0, np.zeros(1), self.row[np.newaxis])
+
+    @cached_property
+    def _case_digest(self) -> str:
+        """Of the case, but for its duration."""
+        from heavylift.pipeline.results.provenance import simulate_digest
+
+        section = self.case.simulate
+        assert section is not None
+        alike = section.model_copy(update={"duration": section.output_interval})
+        return simulate_digest(self.case.model_copy(update={"simulate": alike}))
 
     def _begin(self, solver: Solver) -> None:
         """Take a simulation that has not started."""
@@ -477,7 +488,7 @@ class Simulation:
 
     def save(self) -> State:
         """The state now, inputs included."""
-        return State(self._solver.state(), self._past.driven, self._past)
+        return State(self._solver.state(), self._past.driven, self._case_digest, self._past)
 
     def restore(self, state: State) -> None:
         """Go on from a state of this simulation, of a copy, or of another process with the same case.
@@ -485,8 +496,15 @@ class Simulation:
         Raises
         ------
         InputError
-            If the state belongs to another scene.
+            If the state belongs to another case; only the duration may be another one.
         """
+        if state.case != self._case_digest:
+            raise InputError(
+                "the state does not fit this case",
+                source="checkpoint",
+                key="case",
+                expected="a state of the same case; its duration may be another one",
+            )
         reached = self._solver.step_index
         self._solver.restore(state.arrays)
         self.row = self._solver.record()

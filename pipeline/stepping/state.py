@@ -21,8 +21,8 @@ __all__ = ["State"]
 HEAD = b"heavylift state 1\n"
 DIGEST = 16
 """Bytes behind the head, of what follows them."""
-DRIVEN = "driven"
-"""Name of the digest of what inputs were set to, beside the arrays."""
+DRIVEN, CASE = "driven", "case"
+"""Names of the digests of what inputs were set to, and of the case, beside the arrays."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,6 +35,8 @@ class State:
         By name, as `heavylift.solver.simulation.Simulation.state` gives them.
     driven
         Digest of what inputs were set to up to it; None if that is not known.
+    case
+        Digest of the case, but for its duration.
     past
         What is behind it, in the process that has saved it; not among the bytes.
 
@@ -52,6 +54,7 @@ class State:
 
     arrays: dict[str, NDArray[Any]]
     driven: bytes | None = None
+    case: str = ""
     past: Past | None = None
 
     @property
@@ -68,8 +71,8 @@ class State:
     def to_bytes(self) -> bytes:
         """The state as bytes; in NumPy's format, without pickles."""
         stream = io.BytesIO()
-        driven = {DRIVEN: np.frombuffer(self.digest, np.uint8)}
-        np.savez(stream, **self.arrays, **driven)  # type: ignore[arg-type]
+        digests = {DRIVEN: np.frombuffer(self.digest, np.uint8), CASE: np.array(self.case)}
+        np.savez(stream, **self.arrays, **digests)  # type: ignore[arg-type]
         data = stream.getvalue()
         return HEAD + _digest(data) + data
 
@@ -93,7 +96,7 @@ class State:
             )
         with np.load(io.BytesIO(whole[begin:]), allow_pickle=False) as file:
             arrays = {name: file[name] for name in file.files}
-        return cls(arrays, arrays.pop(DRIVEN).tobytes())
+        return cls(arrays, arrays.pop(DRIVEN).tobytes(), str(arrays.pop(CASE)))
 
 
 def _digest(data: bytes) -> bytes:

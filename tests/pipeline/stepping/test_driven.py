@@ -158,7 +158,7 @@ def test_records_behind_a_written_state_are_those_of_a_run_that_was_driven_alike
     assert results.time.tolist() == [1.0]
     assert results["cart.position"][-1].tolist() == sim["cart.position"].tolist()
     unknown = sim.copy()
-    unknown.restore(hl.State(written.arrays))
+    unknown.restore(hl.State(written.arrays, case=written.case))
     assert unknown.results().time.tolist() == [1.0]
 
 
@@ -210,6 +210,6 @@ def test_a_state_of_other_inputs_is_refused(sim, tmp_path):
     (tmp_path / "other").mkdir()
     (tmp_path / "other" / "case.toml").write_text(f"{head}[[inputs]]{second}[[inputs]]{first}")
     other = hl.Simulation(tmp_path / "other")
-    with pytest.raises(hl.InputError, match="the state does not fit this scene"):
+    with pytest.raises(hl.InputError, match="the state does not fit this case"):
         other.restore(sim.save())
     assert other.inputs["ramp"].value == 0.0

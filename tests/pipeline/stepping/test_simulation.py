@@ -28,8 +28,8 @@ def sim():
 def at_start(request):
     if "sim" in request.fixturenames:
         made = request.getfixturevalue("sim")
-        start = hl.State(dict(START)) if START else made.save()
-        START.update(start.arrays)
+        start = START.get("start") or made.save()
+        START.update(start=start)
         made.restore(start)
 
 
@@ -64,7 +64,7 @@ def test_to_look_at_a_run_leaves_no_trace():
     for name, array in expected.items():
         assert name == "cpu_seconds" or found[name].tobytes() == array.tobytes(), name
     restored = watched.copy()
-    restored.restore(hl.State(found))
+    restored.restore(hl.State(found, case=watched.save().case))
     for name, array in restored.save().arrays.items():
         assert name == "cpu_seconds" or array.tobytes() == found[name].tobytes(), name
 
@@ -219,6 +219,29 @@ def test_results_are_written_as_by_the_stage(tmp_path):
     for name in whole.names:
         assert np.array_equal(part[name], whole[name]), name
         assert np.array_equal(sim.results()[name], whole[name]), name
+
+
+@pytest.mark.parametrize(
+    "change", ["simulate.step=5 ms", "bodies.load.mass=900 t", "gravity.acceleration.2=-9.7"]
+)
+def test_a_state_of_another_case_is_refused(sim, change):
+    """Time is a count of steps; forces and gravity are no part of a state."""
+    sim.step(1.0)
+    other = hl.Simulation(HOIST, overrides=(change,))
+    before = other.save().arrays
+    with pytest.raises(hl.InputError, match="a state of the same case"):
+        other.restore(sim.save())
+    assert all(other.save().arrays[name].tobytes() == array.tobytes() for name, array in before.items())
+
+
+def test_a_state_goes_on_in_a_longer_case():
+    """Only the duration may differ."""
+    tugger = ROOT / "cases" / "tugger"
+    short, longer = hl.Simulation(tugger), hl.Simulation(tugger, overrides=("simulate.duration=5",))
+    short.step(1.8)
+    longer.restore(hl.State.from_bytes(short.save().to_bytes()))
+    longer.step(0.1)
+    assert longer.time == pytest.approx(1.9)
 
 
 @pytest.mark.parametrize("one", [module, state_module])
