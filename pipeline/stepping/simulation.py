@@ -635,7 +635,7 @@ class Simulation:
         return pieces
 
     def write_results(self, folder: Path | str) -> StageReport:
-        """Write the histories so far into an output folder, as the stage simulate does, for `report` and `verify`.
+        """Write the histories so far into an output folder, as the stage simulate does, for `report`.
 
         What drove the inputs belongs to the digest of these results: `simulate` in the same folder takes them only
         for a run with the same values. A run that has not ended yet is left as one that was interrupted, which
