@@ -7,6 +7,7 @@ states have the same past.
 from __future__ import annotations
 
 import hashlib
+import struct
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 if TYPE_CHECKING:
@@ -82,7 +83,8 @@ class Past(NamedTuple):
         """With further settings."""
         changes, driven = self.changes, self.driven
         for row in rows:
-            driven = hashlib.blake2b(driven + repr(tuple(row)).encode(), digest_size=16).digest()
+            numbers = struct.pack("<4d", row.time, *row[2:])
+            driven = hashlib.blake2b(driven + numbers + row.name.encode(), digest_size=16).digest()
             if self.keeps:
                 changes = _Change(changes, row, driven)
         return self._replace(changes=changes, driven=driven)

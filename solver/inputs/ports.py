@@ -283,7 +283,9 @@ class InputPorts(Mapping[str, Port]):
 
     def _derive(self) -> None:
         """The first end, and the corners."""
-        self.ends = min(self._ends, key=lambda end: end[0])
+        self.ends = min(self._ends)
+        if self._whole:  # all times are ends of steps
+            return
         found = {float(one.until) for one in self._state if float(one.rate) != 0.0}
         found |= {end for end, _ in self._ends} | set(self._fixed_corners.tolist())
         corners = sorted(filter(math.isfinite, found))
@@ -294,6 +296,8 @@ class InputPorts(Mapping[str, Port]):
         self, name: str, value: float, rate: float, until: float, time: float
     ) -> tuple[float, float, float]:
         """Three numbers that make sense."""
+        if type(value) is type(rate) is type(until) is float and math.isfinite(value + rate) and until > time:
+            return value, rate, until
         found = []
         for key, given in (("value", value), ("rate", rate), ("until", until)):
             try:
