@@ -12,7 +12,7 @@ from functools import cached_property
 from numbers import Real
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
@@ -23,7 +23,7 @@ from heavylift.pipeline.log import Log
 from heavylift.pipeline.model.components import told
 from heavylift.pipeline.results.storage import OutputFolder, StopError
 from heavylift.pipeline.stages.advance import FIRST_PIECE, next_piece
-from heavylift.pipeline.stages.prepared import compile_parts, new_simulation, prepare_run
+from heavylift.pipeline.stages.prepared import compile_parts, new_simulation, prepare_run, release
 from heavylift.pipeline.stages.stages import load_changed_case, make_parts
 from heavylift.pipeline.stepping.past import InputChange, Past
 from heavylift.pipeline.stepping.state import State
@@ -539,6 +539,16 @@ class Simulation:
         other._past = self._past
         other.row = self.row.copy()
         return other
+
+    def close(self) -> None:
+        """End the processes of its FMUs now, and not when nobody refers to it any more; what was computed stays."""
+        release(self._solver)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
 
     def replay(self, log: Sequence[InputChange], until: float | None = None) -> None:
         """Advance with the inputs of a log, as they were set in another run.
