@@ -68,6 +68,9 @@ def couple(
         verdicts = []
         if report.outcome is Outcome.COMPLETED:
             for name, section in made.scenes.items():
+                if name not in report.folders:
+                    log.say(f"couple: {name}: its results are with its server, and not judged here")
+                    continue
                 case = load_changed_case(made.folder / section.case, section.set)
                 if case.check or case.criteria:
                     found = judge(case, report.folders[name], log=log)

@@ -56,7 +56,7 @@ class CoupledReport:
     stability
         Of the exchange at the start; None if a scene stopped while it was looked at.
     folders
-        Results of each scene.
+        Results of each scene, but of those that are served: they are with their servers.
     cpu_s
         CPU time of the steps of each scene, as far as its manifest tells [s].
     warning
@@ -99,7 +99,9 @@ class CoupledScenes:
 
     def __init__(self, coupling: Coupling, out: Path) -> None:
         self.coupling = coupling
-        self.folders = {name: out / name for name in coupling.scenes}
+        self.folders = {
+            name: out / name for name, section in coupling.scenes.items() if section.process != "served"
+        }
         self._open = contextlib.ExitStack()
         self.scenes: dict[str, Any] = {}
         try:
@@ -135,7 +137,7 @@ class CoupledScenes:
     def _opened(self, name: str) -> Any:
         """A scene, here, in a process of its own, or at an address."""
         section, coupling = self.coupling.scenes[name], self.coupling
-        folder, out = coupling.folder / section.case, self.folders[name]
+        folder, out = coupling.folder / section.case, self.folders.get(name)
         if section.process == "same":
             return Simulation(folder, out=out, overrides=section.set)
         try:

@@ -19,6 +19,7 @@ from heavylift.pipeline.coupling.fmu_file import unit_factor
 from heavylift.pipeline.coupling.fmu_process import FmuError, FmuProcess
 from heavylift.pipeline.coupling.master import Link, Master, System
 from heavylift.pipeline.results.storage import StopError
+from heavylift.solver.recorded_numbers import recorded_numbers
 from heavylift.solver.simulation import Simulation
 
 if TYPE_CHECKING:
@@ -28,33 +29,15 @@ if TYPE_CHECKING:
 
     from heavylift.pipeline.case.fmus import FmuSection
     from heavylift.pipeline.coupling.fmu_file import FmuFile
+    from heavylift.solver.recorded_numbers import RecordedNumber
     from heavylift.solver.scene.scene import Scene
 
-__all__ = ["CoupledSimulation", "output_columns"]
+__all__ = ["CoupledSimulation"]
 
 SCENE = "the scene"
 """Name of the simulation among the systems of its masters; no FMU has a blank in its name."""
 KEPT = "fmus"
 """Name of what the state holds of FMUs."""
-
-
-class Output(NamedTuple):
-    """A number of a record: its column, unit, and sentence."""
-
-    column: int
-    unit: str
-    sentence: str
-
-
-def output_columns(simulation: Simulation) -> dict[str, Output]:
-    """Numbers of a record by name: ``OWNER.CHANNEL.COMPONENT``, or ``OWNER.CHANNEL`` of a channel of one number."""
-    found = {}
-    for channel in simulation.channels:
-        alone = len(channel.components) == 1
-        for k, component in enumerate(channel.components):
-            name = channel.name if alone else f"{channel.name}.{component}"
-            found[name] = Output(channel.column + k, channel.unit, channel.sentence)
-    return found
 
 
 class _EndedError(Exception):
@@ -179,7 +162,7 @@ class CoupledSimulation(Simulation):
         self.exchanges = 0
         self._driven = {entry: section.name for section, _ in fmus for entry in section.writes.values()}
         self._begun = self._failed = False
-        columns = output_columns(self)
+        columns = recorded_numbers(self.channels)
         links: dict[str, list[Link]] = {}
         intervals: dict[tuple[int, str], list[str]] = {}
         for section, file in fmus:
@@ -223,7 +206,7 @@ class CoupledSimulation(Simulation):
             )
         self._done = [-1] * len(self._groups)
 
-    def _links(self, section: FmuSection, file: FmuFile, columns: Mapping[str, Output]) -> list[Link]:
+    def _links(self, section: FmuSection, file: FmuFile, columns: Mapping[str, RecordedNumber]) -> list[Link]:
         """What an FMU and the scene exchange."""
         name, found = section.name, []
         for variable, channel in section.reads.items():
@@ -358,7 +341,7 @@ class CoupledSimulation(Simulation):
         if self._begun:
             return
         self._begun = True
-        row, columns = self.record(), output_columns(self)
+        row, columns = self.record(), recorded_numbers(self.channels)
         for group in self._groups:
             for name, process in self.processes.items():
                 links = [link for link in group.master.links if link.target == name]

@@ -11,6 +11,7 @@ import math
 import os
 import platform
 import re
+import struct
 import sys
 import tempfile
 import zipfile
@@ -179,7 +180,7 @@ def _case_files(folder: Path, target: Path) -> Iterable[tuple[str, Path]]:
 
 def _variables(inputs: Sequence[InputInfo], outputs: Sequence[OutputInfo]) -> str:
     """What the library reads of the variables, in the order of their references."""
-    lines = [f"{one.interpolation} {one.value!r} {one.name}" for one in inputs]
+    lines = [f"{one.interpolation} {struct.pack('>d', one.value).hex()} {one.name}" for one in inputs]
     return "".join(f"{line}\n" for line in [*lines, *(f"output {one.name}" for one in outputs)])
 
 

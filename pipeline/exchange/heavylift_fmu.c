@@ -4,7 +4,8 @@
  * the host, and the child ends with it. The folder of resources says what there is:
  *
  *     variables.txt   a line a variable in the order of value references, from 1 on: "held VALUE NAME" or "linear VALUE
- *                     NAME" of an input with its start value, "output NAME"; reference 0 is the time
+ *                     NAME" of an input with the 64 bits of its start value in hexadecimal digits, which are the same in
+ *                     all locales of hosts, "output NAME"; reference 0 is the time
  *     command.txt     arguments of the command that serves the case, a line each; a leading "@" stands for this folder
  *     python.txt      the Python that has written it
  *
@@ -125,6 +126,7 @@ static int read_variables(Unit *unit, const char *folder)
 {
     char *line, *end;
     size_t k, count;
+    uint64_t bits;
     unit->texts = content(folder, "variables.txt");
     if (!unit->texts) return fail(unit, ERROR, "%s: variables.txt cannot be read", folder);
     count = lines_of(unit->texts);
@@ -153,7 +155,8 @@ static int read_variables(Unit *unit, const char *folder)
         unit->linear[k] = !strncmp(line, "linear ", 7);
         line = strchr(line, ' ');
         if (!line || k != unit->inputs) return fail(unit, ERROR, "%s: variables.txt is damaged", folder);
-        unit->values[k] = strtod(line + 1, &line);
+        bits = strtoull(line + 1, &line, 16);
+        memcpy(&unit->values[k], &bits, sizeof bits);
         unit->names[k] = *line ? line + 1 : line;
         unit->inputs++;
     }

@@ -12,7 +12,7 @@ from functools import cached_property
 from numbers import Real
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
@@ -23,10 +23,11 @@ from heavylift.pipeline.log import Log
 from heavylift.pipeline.model.components import told
 from heavylift.pipeline.results.storage import OutputFolder, StopError
 from heavylift.pipeline.stages.advance import FIRST_PIECE, next_piece
-from heavylift.pipeline.stages.prepared import compile_parts, new_simulation, prepare_run
+from heavylift.pipeline.stages.prepared import compile_parts, new_simulation, prepare_run, release
 from heavylift.pipeline.stages.stages import load_changed_case, make_parts
 from heavylift.pipeline.stepping.past import InputChange, Past
 from heavylift.pipeline.stepping.state import State
+from heavylift.solver.recorded_numbers import recorded_numbers
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -261,12 +262,10 @@ class Simulation:
     @property
     def outputs(self) -> Mapping[str, OutputInfo]:
         """All numbers that are recorded, by name."""
-        found = {}
-        for channel in self._solver.channels:
-            for part in channel.components:
-                name = f"{channel.name}.{part}" if len(channel.components) > 1 else channel.name
-                found[name] = OutputInfo(name, channel.unit, channel.sentence)
-        return MappingProxyType(found)
+        numbers = recorded_numbers(self._solver.channels)
+        return MappingProxyType(
+            {name: OutputInfo(name, one.unit, one.sentence) for name, one in numbers.items()}
+        )
 
     def columns(self, names: Sequence[str]) -> NDArray[np.int64]:
         """Places of some outputs in `row`: ``sim.row[sim.columns(names)]`` reads them at once.
@@ -541,6 +540,16 @@ class Simulation:
         other.row = self.row.copy()
         return other
 
+    def close(self) -> None:
+        """End the processes of its FMUs now, and not when nobody refers to it any more; what was computed stays."""
+        release(self._solver)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
     def replay(self, log: Sequence[InputChange], until: float | None = None) -> None:
         """Advance with the inputs of a log, as they were set in another run.
 
@@ -636,7 +645,7 @@ class Simulation:
         return pieces
 
     def write_results(self, folder: Path | str) -> StageReport:
-        """Write the histories so far into an output folder, as the stage simulate does, for `report` and `verify`.
+        """Write the histories so far into an output folder, as the stage simulate does, for `report`.
 
         What drove the inputs belongs to the digest of these results: `simulate` in the same folder takes them only
         for a run with the same values. A run that has not ended yet is left as one that was interrupted, which
@@ -722,13 +731,8 @@ def _case_of(case: Any, overrides: Sequence[str]) -> Case:
 
 def _columns_of(solver: Solver) -> dict[str, int | slice]:
     """Columns of a record by the names of outputs and channels."""
-    found: dict[str, int | slice] = {}
-    for channel in solver.channels:
-        count = len(channel.components)
-        if count == 1:
-            found[channel.name] = channel.column
-            continue
-        found[channel.name] = slice(channel.column, channel.column + count)
-        for k, part in enumerate(channel.components):
-            found[f"{channel.name}.{part}"] = channel.column + k
-    return found
+    found: dict[str, int | slice] = {
+        channel.name: slice(channel.column, channel.column + len(channel.components))
+        for channel in solver.channels
+    }
+    return found | {name: one.column for name, one in recorded_numbers(solver.channels).items()}

@@ -37,6 +37,7 @@ from heavylift.solver.linearise.motions import Motions
 from heavylift.solver.linearise.rates import find_middle
 from heavylift.solver.linearise.result import BodyShape, Linearisation
 from heavylift.solver.linearise.served import check_open, check_served
+from heavylift.solver.recorded_numbers import recorded_numbers
 from heavylift.solver.start.rows import StartRows, quoted
 from heavylift.solver.stop_message import stop_message
 
@@ -206,13 +207,10 @@ def output_columns(
     InputError
         If a name is unknown, or that of an extreme over a time, unless these are allowed.
     """
-    every: dict[str, tuple[str, int]] = {}
+    every = recorded_numbers(simulation.channels)
     whole: dict[str, list[str]] = {}
-    for channel in simulation.channels:
-        for k, component in enumerate(channel.components):
-            name = f"{channel.name}.{component}" if len(channel.components) > 1 else channel.name
-            every[name] = channel.unit, channel.column + k
-            whole.setdefault(channel.name, []).append(name)
+    for name, one in every.items():
+        whole.setdefault(one.channel, []).append(name)
     chosen: list[str] = []
     for name in names or ():
         if name not in every and name not in whole:
@@ -234,8 +232,8 @@ def output_columns(
         chosen += [name] if name in every else whole[name]
     return OutputColumns(
         tuple(chosen),
-        tuple(every[name][0] for name in chosen),
-        np.array([every[name][1] for name in chosen], dtype=np.int64),
+        tuple(every[name].unit for name in chosen),
+        np.array([every[name].column for name in chosen], dtype=np.int64),
     )
 
 

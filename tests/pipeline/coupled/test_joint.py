@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import math
+import threading
 from pathlib import Path
 
 import pytest
 
+import heavylift as hl
 from heavylift.numerics.outcome import InputError, Outcome
+from heavylift.pipeline.commands.couple import couple
 from heavylift.pipeline.coupled.coupling_file import load_coupling
 from heavylift.pipeline.coupled.run import CoupledScenes, run_coupled
 from heavylift.pipeline.log import Log
@@ -184,3 +187,32 @@ def test_a_speed_that_jumps_is_refused(scenes):
     file.write_text(file.read_text().replace(', interpolation = "linear"', ""))
     with pytest.raises(InputError, match=r"'told.speed' jumps at exchanges.*interpolation = \"linear\""):
         CoupledScenes(load_coupling(folder), folder / "out")
+
+
+def test_a_scene_that_is_served_keeps_its_results_with_its_server(scenes, capsys):
+    """Here are those of the other one, and its checks alone decide."""
+    pytest.importorskip("msgpack")
+    from heavylift.pipeline.exchange.server import Server, listening
+    from heavylift.pipeline.exchange.service import Service
+
+    folder = scenes(0.2)
+    check = '[[check]]\nid = "rail"\nquantity = "channel.cart.position.y.end"\nmaximum = 0.1\nsource = "-"\n'
+    for name in ("told", "tells"):
+        file = folder / name / "case.toml"
+        file.write_text(file.read_text() + check.replace("cart", "cart" if name == "tells" else "part"))
+    listener, told = listening("127.0.0.1", 0), hl.Simulation(folder / "told")
+    server = threading.Thread(target=Server(Service(told, "a-word"), listener).run)
+    server.start()
+    (folder / "token").write_text(f"127.0.0.1 {listener.getsockname()[1]} a-word\n")
+    served = 'case = "told", process = "served", token_file = "token"'
+    (folder / "coupling.toml").write_text(COUPLING.replace('case = "told"', served))
+    try:
+        assert couple(folder) == 0
+    finally:
+        server.join(20)
+        listener.close()
+    lines = capsys.readouterr().out
+    assert "couple: told: its results are with its server" in lines
+    assert "tells: completed" in lines
+    assert told.time == pytest.approx(2.0)
+    assert not (folder / "out" / "told").exists()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import locale
 import shutil
 import subprocess
 import sys
@@ -94,6 +95,26 @@ def children():
     """Processes that this one has started and that are there."""
     found = Path("/proc/self/task").glob("*/children")
     return {int(number) for file in found for number in file.read_text().split() if not gone(int(number))}
+
+
+@pytest.mark.skipif(shutil.which("localedef") is None, reason="no locales can be made")
+def test_a_host_may_write_numbers_with_a_comma(tmp_path, monkeypatch):
+    """Its locale decides on what functions of C take for a number."""
+    made = tmp_path / "de_DE.UTF-8"
+    subprocess.run(["localedef", "-i", "de_DE", "-f", "UTF-8", made], check=True)
+    file = export_fmu(DRIVEN, 3, out=tmp_path / "driven.fmu", overrides=["inputs.gust.value=0.5"])
+    monkeypatch.setenv("LOCPATH", str(tmp_path))
+    locale.setlocale(locale.LC_NUMERIC, made.name)
+    try:
+        assert locale.localeconv()["decimal_point"] == ","
+        host = Host(file, tmp_path)
+        assert host.unit.getFloat64([WINCH, GUST]) == [0.0, 0.5]
+        host.set(GUST, 1.5)
+        host.unit.doStep(0.0, 0.1)
+        assert host.get("gust.value") == [1.5]
+        host.end()
+    finally:
+        locale.setlocale(locale.LC_NUMERIC, "C")
 
 
 @pytest.mark.parametrize("fmi", [2, 3])

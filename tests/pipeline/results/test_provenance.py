@@ -9,7 +9,7 @@ from heavylift.pipeline.assemble.scene import assemble_scene
 from heavylift.pipeline.case.case_file import load_case
 from heavylift.pipeline.coupling.coupled import CoupledSimulation
 from heavylift.pipeline.results import provenance
-from heavylift.pipeline.results.provenance import PACKAGE, STAGE_SOURCES, simulate_digest
+from heavylift.pipeline.results.provenance import PACKAGE, STAGE_SOURCES, files_of_case, simulate_digest
 from heavylift.pipeline.stages.advance import Advancer
 from heavylift.pipeline.stages.prepared import new_simulation
 from heavylift.solver.simulation import Simulation
@@ -61,3 +61,17 @@ def test_the_exchange_with_fmus_counts_where_there_are_some(tmp_path, monkeypatc
     after = digests()
     assert before["with"] != after["with"]
     assert before["without"] == after["without"]
+
+
+def test_an_unpacked_fmu_is_all_of_its_folder(tmp_path):
+    """Its sources are compiled: a case that is saved elsewhere takes them along, and results depend on them."""
+    source = tmp_path / "hold" / "sources" / "hold.c"
+    source.parent.mkdir(parents=True)
+    source.write_text("int hold;")
+    (tmp_path / "hold" / "modelDescription.xml").touch()
+    (tmp_path / "case.toml").write_text((CASE + FMUS).replace("hold.fmu", "hold/modelDescription.xml"))
+    case = load_case(tmp_path)
+    assert files_of_case(case) == {"hold/modelDescription.xml", "hold/sources/hold.c"}
+    before = simulate_digest(case)
+    source.write_text("int held;")
+    assert simulate_digest(load_case(tmp_path)) != before

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import doctest
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -250,3 +251,18 @@ def test_examples(one, monkeypatch):
     found = doctest.testmod(one)
     assert found.attempted
     assert not found.failed
+
+
+@pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler")
+def test_what_is_closed_has_no_processes_and_keeps_its_results():
+    pytest.importorskip("fmpy")
+    with hl.Simulation(ROOT / "cases" / "tagline_controller") as sim:
+        (process,) = sim._solver.processes.values()
+        sim.step(0.5)
+        assert process._process.poll() is None
+    assert process._process.poll() is not None
+    assert len(sim.results().time) == 6
+    with pytest.raises(hl.SimulationStopped, match=r"FMU 'controller' .*: its process has ended"):
+        sim.step(0.5)
+    with hl.Simulation(HOIST) as other:  # nothing to end
+        other.step(0.1)
