@@ -84,6 +84,12 @@ def check_fmu(section: FmuSection, folder: Path) -> FmuFile:
     InputError
         With the key of the entry that does not fit.
     """
+    if section.file.endswith(".xml") and (folder / section.file).resolve().parent == folder.resolve():
+        raise InputError(
+            f"{section.file!r} stands in the folder of the case",
+            key="file",
+            expected="a folder of its own for an FMU",
+        )
     try:
         fmu = read_fmu(folder / section.file)
     except InputError as error:

@@ -308,16 +308,18 @@ class Results:
         self._combinations: dict[str, tuple[NDArray[np.float64], ChannelInfo]] = {}
 
     def __getitem__(self, name: str) -> NDArray[np.float64]:
-        """Array of a channel in SI: shape (nr,) for one number a record, else (nr, components).
+        """Array of a channel in SI: shape (nr,) for one number a record, else (nr, components); read-only.
 
         The name may be that of a combination of channels, see `heavylift.pipeline.case.channel_names`; a ratio is not a
         number at records where its second term is zero.
         """
         if name not in self._channels:
-            return self._combined(name)[0]
-        channel = self._channels[name]
-        array: NDArray[np.float64] = self._columns[name]
-        return array[:, 0] if len(channel.components) == 1 else array
+            found = self._combined(name)[0].view()
+        else:
+            array: NDArray[np.float64] = self._columns[name]
+            found = array[:, 0] if len(self._channels[name].components) == 1 else array[:]
+        found.flags.writeable = False  # checks and criteria judge the same numbers
+        return found
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._channels)

@@ -51,9 +51,9 @@ def dataset(results: Records, names: Sequence[str]) -> Any:
     xarray = _library("xarray", "to_xarray")
     dimensions: dict[tuple[str, ...], str] = {}
     variables: dict[str, Any] = {}
-    coordinates: dict[str, Any] = {"time": ("time", results.time, {"units": "s"})}
+    coordinates: dict[str, Any] = {"time": ("time", results.time.copy(), {"units": "s"})}
     for name in names:
-        info, values = results.channel(name), results[name]
+        info, values = results.channel(name), results[name].copy()
         if values.ndim == 1:
             variables[name] = ("time", values, {"units": info.unit})
             continue
@@ -93,11 +93,11 @@ def data_frame(results: Records, names: Sequence[str]) -> Any:
     pandas = _library("pandas", "to_pandas")
     columns, units = {}, {}
     for name in names:
-        info, values = results.channel(name), results[name]
+        info, values = results.channel(name), results[name].copy()
         parts = [name] if values.ndim == 1 else [f"{name}.{one}" for one in info.components]
         for part, column in zip(parts, values.reshape(len(values), -1).T, strict=True):
             columns[part], units[part] = column, info.unit
-    frame = pandas.DataFrame(columns, index=pandas.Index(results.time, name="time"))
+    frame = pandas.DataFrame(columns, index=pandas.Index(results.time.copy(), name="time"))
     frame.attrs["units"] = units
     return frame
 

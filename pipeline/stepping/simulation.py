@@ -119,8 +119,6 @@ class Simulation:
     ----------
     case
         What is simulated.
-    row
-        All outputs now, SI, in the order of the columns of a record.
     stop_asked
         Asked several times a second while it steps: whether to stop there, as a signal may want.
 
@@ -187,7 +185,17 @@ class Simulation:
         self._callbacks: list[Callable[[LogLine], None]] = []
         self._told = 0
         self.stop_asked: Callable[[], object] = bool
-        self.row: NDArray[np.float64] = solver.record()
+        self.row = solver.record()
+
+    @property
+    def row(self) -> NDArray[np.float64]:
+        """All outputs now, SI, in the order of the columns of a record; read-only."""
+        return self._row
+
+    @row.setter
+    def row(self, row: NDArray[np.float64]) -> None:
+        self._row = row.view()
+        self._row.flags.writeable = False  # it may be one of the records
 
     @property
     def time(self) -> float:

@@ -182,6 +182,11 @@ class WinchTarget(_Planned):
         """Two steps before the whole rope is hauled in, as in a scenario."""
         speed, growth = (-rate, 0.0) if self._by_length else (value, rate)
         span = until - time
+        if self._by_length and self.fastest is not None and abs(speed) > self.fastest * (1.0 + 1e-9):
+            return (
+                time,
+                f"the winch would move with {abs(speed):g} m/s, and does {self.fastest:g} m/s at most",
+            )
         first, why = math.inf, ""
         for name, kind, number, ratio in self._ropes:
             left = float(kind.table[number].start_length) - self._hauled(kind, number, time)

@@ -82,7 +82,8 @@ class StartRows:
         order = np.argsort(firsts, kind="stable")  # meshes without bases share it with the next body
         widths = np.diff(np.append(firsts[order], len(self.inertia)))
         self.owner = np.repeat(order, widths)
-        system: RowSystem | None = layout.systems[0] if layout.systems else None
+        first = next(iter(layout.systems), None)  # of a scene without rows that of an integrator
+        system: RowSystem | None = first if first is not None and "attachments" in first._fields else None
         self._system = system
         if system is None:
             self.block = np.zeros(0, dtype=np.int64)

@@ -107,6 +107,19 @@ def test_a_restored_state_takes_its_history_back(sim):
     assert np.array_equal(sim.row, later)
 
 
+def test_records_are_not_changed_by_who_reads_them(sim):
+    sim.step(0.4)
+    results = sim.results()
+    for array in (
+        sim.row,
+        results["load.position"],
+        results["fall.tension"],
+        results["sum(fall.tension, fall.tension)"],
+    ):
+        with pytest.raises(ValueError, match="read-only"):
+            array *= 2.0
+
+
 def test_outputs_by_name(sim):
     info = sim.outputs["load.position.z"]
     assert (info.name, info.unit) == ("load.position.z", "m")
