@@ -10,6 +10,7 @@ from __future__ import annotations
 import contextlib
 import math
 from dataclasses import field
+from functools import cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -294,9 +295,15 @@ def _names(node: Any, body: str) -> bool:
     return bool(node == body)
 
 
+@cache
+def _adapter(of: Any) -> TypeAdapter[Any]:
+    """What validates a type; made once, since that takes longer than what it does."""
+    return TypeAdapter(of)
+
+
 def _valid(of: Any, value: Any) -> Any:
     with contextlib.suppress(ValidationError):
-        return TypeAdapter(of).validate_python(value)
+        return _adapter(of).validate_python(value)
     raise _Unknown
 
 

@@ -88,6 +88,8 @@ def eigen_command(
     from heavylift.solver.linearise.linearise import linearise, output_columns
     from heavylift.solver.linearise.served import check_served
 
+    if count is not None and count < 1:
+        raise InputError(f"{count}", source="eigen", key="--count", expected="1 or more modes")
     changes = (*overrides, AT_REST) if at == "rest" else tuple(overrides)
     case = load_changed_case(path, changes)
     if case.simulate is None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import json
 import math
+from operator import itemgetter
 from typing import TYPE_CHECKING, Any, Self
 
 from heavylift.numerics.classes import dataclass
@@ -32,6 +33,10 @@ WHOLE = 1e-9
 """Of a step, by which a time may be off a whole number of steps."""
 SOON = 1.2
 """Growth in an exchange that needs no second look."""
+GROWN = 10.0
+"""Growth of deviations over a run, from which on its results are in doubt."""
+COARSE = 0.1
+"""Of the largest value of a link, by which what is told of the end of an interval may be off without a word."""
 HALVINGS = 12
 """Of an interval, in which a stable one is looked for."""
 
@@ -54,6 +59,8 @@ class CoupledReport:
         Results of each scene, but of those that are served: they are with their servers.
     cpu_s
         CPU time of the steps of each scene, as far as its manifest tells [s].
+    warning
+        What the user should know of the exchange; empty if nothing.
     """
 
     outcome: Outcome
@@ -64,6 +71,7 @@ class CoupledReport:
     stability: ExchangeStability | None
     folders: Mapping[str, Path]
     cpu_s: Mapping[str, float]
+    warning: str = ""
 
 
 class CoupledScenes:
@@ -222,7 +230,7 @@ class CoupledScenes:
         whole = int((self.duration + WHOLE * interval) / interval)
         try:
             found = self._looked_at(interval, max(8, min(EXCHANGES, whole)))
-            if not found.stable and found.growth < SOON and whole > EXCHANGES:
+            if 1.001 < found.growth < SOON and whole > EXCHANGES:
                 # what begins to move grows too; what is not stable goes on to grow
                 found = self._looked_at(interval, min(4 * EXCHANGES, whole))
         except StopError:
@@ -298,6 +306,9 @@ def run_coupled(coupling: Coupling, out: Path, log: Log) -> CoupledReport:
                 outcome, message = Outcome.INTERRUPTED, str(error)
         if stop and outcome is Outcome.COMPLETED:
             outcome, message = Outcome.INTERRUPTED, f"{stop.signal_name} at t = {done * interval:.9g} s"
+        warning = _doubts(coupled, master, done)
+        if warning:
+            log.say(f"couple: WARNING: {warning}")
         repetitions = master.iterations / done if done and master.iterations else 1.0
         for name, scene in coupled.scenes.items():
             if isinstance(scene, Simulation):  # others write what they have when they are closed
@@ -313,10 +324,31 @@ def run_coupled(coupling: Coupling, out: Path, log: Log) -> CoupledReport:
         coupled.stability,
         coupled.folders,
         {name: _cpu_seconds(folder) for name, folder in coupled.folders.items()},
+        warning,
     )
     write_json(out / "coupling.json", coupled_document(coupling, report))
     log.say(f"couple: {outcome.text}: {done} exchanges of {interval:g} s, {repetitions:.3g} passes each")
     return report
+
+
+def _doubts(coupled: CoupledScenes, master: Master, done: int) -> str:
+    """Why the results of an exchange may be wrong: it may be unstable slowly, or too coarse; empty if neither."""
+    words = []
+    stability = coupled.stability
+    if stability is not None and done * math.log(max(stability.growth, 1.0)) > math.log(GROWN):
+        times = math.exp(min(done * math.log(stability.growth), 700.0))
+        words.append(
+            f"deviations that grow {stability.growth:.4f} times in an exchange have grown up to {times:.1g} times in "
+            f"{done}: compare with a shorter interval, or with method 'iterated'"
+        )
+    missed = max(zip(master.misses, master.links, strict=True), key=itemgetter(0))
+    if missed[0] > COARSE:
+        link = missed[1]
+        words.append(
+            f"{link.output!r} of {link.source!r} changes by up to {100.0 * missed[0]:.0f} % of its largest value in an "
+            "exchange more than is told of it: the interval is long for what moves there"
+        )
+    return "; ".join(words)
 
 
 def _cpu_seconds(folder: Path) -> float:
@@ -336,6 +368,7 @@ def coupled_document(coupling: Coupling, report: CoupledReport) -> dict[str, Any
         "time": report.time,
         "exchanges": report.exchanges,
         "passes_each": report.repetitions,
+        "warning": report.warning,
         "growth": stability.growth if stability is not None and math.isfinite(stability.growth) else None,
         "loop_gain": None if stability is None else stability.gain,
         "scenes": {name: str(folder) for name, folder in report.folders.items()},

@@ -379,7 +379,11 @@ class CoupledSimulation(Simulation):
         try:
             self._begin()
             fmus = {
-                name: {"state": process.serialize(), "outputs": dict(process.outputs())}
+                name: {
+                    "token": process.fmu.token,
+                    "state": process.serialize(),
+                    "outputs": dict(process.outputs()),
+                }
                 for name, process in self.processes.items()
             }
         except FmuError as error:
@@ -388,6 +392,7 @@ class CoupledSimulation(Simulation):
         kept = {
             "fmus": fmus,
             "masters": [group.master.memory for group in self._groups],
+            "every": [group.every for group in self._groups],
             "done": self._done,
             "exchanges": self.exchanges,
         }
@@ -402,16 +407,7 @@ class CoupledSimulation(Simulation):
         InputError
             If the state belongs to another scene, or has none of the FMUs.
         """
-        try:
-            kept = json.loads(bytes(state[KEPT]))
-            fmus = {name: kept["fmus"][name] for name in self.processes}
-        except (KeyError, ValueError):
-            raise InputError(
-                "has no state of the FMUs",
-                source="checkpoint",
-                key=KEPT,
-                expected=self.not_kept or f"that of {', '.join(self.processes)}",
-            ) from None
+        fmus, masters, done, exchanges = self._kept_of(state)
         super().restore(state)
         try:
             self._begin()
@@ -420,8 +416,38 @@ class CoupledSimulation(Simulation):
         except FmuError as error:
             self._fail(error)
             return
-        for group, memory in zip(self._groups, kept["masters"], strict=True):
+        for group, memory in zip(self._groups, masters, strict=True):
             group.master.memory = memory
-        self._failed = False
-        self._done = list(kept["done"])
-        self.exchanges = int(kept["exchanges"])
+        self._failed, self._done, self.exchanges = False, done, exchanges
+
+    def _kept_of(self, state: Mapping[str, Any]) -> tuple[dict[str, Any], list[list[float]], list[int], int]:
+        """What a state has of FMUs, masters, and exchanges.
+
+        Raises
+        ------
+        InputError
+            If it has none, or that of other FMUs or sample times.
+        """
+        expected = self.not_kept or f"that of {', '.join(self.processes)}"
+        try:
+            kept = json.loads(bytes(state[KEPT]))
+            fmus = {name: kept["fmus"][name] for name in self.processes}
+            every = kept["every"]
+            masters, done, exchanges = (
+                list(kept["masters"]),
+                [int(k) for k in kept["done"]],
+                int(kept["exchanges"]),
+            )
+            sound = all(
+                isinstance(one["state"], str) and isinstance(one["outputs"], dict) for one in fmus.values()
+            )
+            same = all(one["token"] == self.processes[name].fmu.token for name, one in fmus.items())
+        except (KeyError, ValueError, TypeError):
+            raise InputError(
+                "has no state of the FMUs", source="checkpoint", key=KEPT, expected=expected
+            ) from None
+        if not (sound and same and every == [group.every for group in self._groups]):
+            raise InputError(
+                "is the state of other FMUs or sample times", source="checkpoint", key=KEPT, expected=expected
+            )
+        return fmus, masters, done, exchanges

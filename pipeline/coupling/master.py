@@ -171,6 +171,7 @@ class Master:
         self._largest = [0.0] * len(self.links)
         self._rates = [0.0] * len(self.links)
         self._chord: list[list[float]] = []
+        self._missed = [0.0] * len(self.links)
         self.iterations = 0
 
     @property
@@ -184,6 +185,11 @@ class Master:
         self._largest, self._rates = list(numbers[:count]), list(numbers[count : 2 * count])
         rest = list(numbers[2 * count :])
         self._chord = [rest[i : i + count] for i in range(0, len(rest), count)]
+
+    @property
+    def misses(self) -> list[float]:
+        """By how much what was told of ends was off at most, relative to the largest value of each link."""
+        return [miss / (size or miss or 1.0) for miss, size in zip(self._missed, self._largest, strict=True)]
 
     def step(self, time: float, dt: float) -> None:
         """Advance all systems by an interval.
@@ -211,16 +217,25 @@ class Master:
                 self._tell(name, latest, [0.0] * len(now))
                 system.step(time, dt)
                 self._read(name, latest)
+            self._compare(now, latest, 0.0)
         else:
             for name in self._systems:
                 self._tell(name, now, self._rates)
             for system in self._systems.values():
                 system.step(time, dt)
+            after = list(now)
+            for name in self._systems:
+                self._read(name, after)
+            if self.method == "held" or any(self._rates):  # nothing is known of the first rates
+                self._compare(now, after, dt)
             if self.method == "extrapolated":
-                after = list(now)
-                for name in self._systems:
-                    self._read(name, after)
                 self._rates = [(b - a) / dt for a, b in zip(now, after, strict=True)]
+
+    def _compare(self, now: list[float], after: list[float], dt: float) -> None:
+        """See how far the ends of an interval are from what was told of them."""
+        for k, (a, b) in enumerate(zip(now, after, strict=True)):
+            self._largest[k] = max(self._largest[k], abs(a), abs(b))
+            self._missed[k] = max(self._missed[k], abs(b - a - self._rates[k] * dt))
 
     def _iterate(self, time: float, dt: float, now: list[float]) -> None:
         """Repeat an interval until its end is what the systems were told of it; the first guess goes on as before."""
@@ -291,6 +306,8 @@ class Master:
         saved: Mapping[str, Any],
     ) -> None:
         """How a misfit is to be taken back: ``(1 - M)^-1`` of what the ends become by what is told of them."""
+        from scipy.linalg import matrix_balance
+
         count = len(told)
         loop = np.zeros((count, count))
         for k, link in enumerate(self.links):
@@ -300,10 +317,10 @@ class Master:
             self._try(link.target, time, dt, now, changed, found, saved[link.target])
             for i in self._from[link.target]:
                 loop[i, k] = (found[i] - ends[i]) / size
-        pairs = zip(self._largest, told, ends, strict=True)
-        sizes = np.array([max(map(abs, several)) or 1.0 for several in pairs])
-        scaled = np.linalg.pinv(np.eye(count) - loop * sizes / sizes[:, None], rcond=SINGULAR)
-        self._chord = (scaled * sizes[:, None] / sizes).tolist()
+        # in units that make its entries alike, small singular values tell of a loop without a solution
+        balanced, (sizes, _) = matrix_balance(loop, permute=False, separate=True)
+        chord = np.linalg.pinv(np.eye(count) - balanced, rcond=SINGULAR)
+        self._chord = (chord * sizes[:, None] / sizes).tolist()
 
     def _read(self, name: str, values: list[float]) -> None:
         """Put the outputs of a system to its links.

@@ -114,11 +114,15 @@ def simulate_stage(work: Work) -> StageReport:
     digest = simulate_digest(work.case)
     manifest = read_json(folder.manifest("simulate")) or {}
     forced = "simulate" in work.force
-    if not forced and manifest.get("digest") == digest and manifest.get("finished") and _says_all(manifest):
+    driven = manifest.get("digest") != digest and _driven(manifest) == digest
+    current = driven or manifest.get("digest") == digest
+    if not forced and current and manifest.get("finished") and _says_all(manifest):
         if unchanged(folder.results, manifest):
             remove_segments(folder.segments)  # of a run that was killed when all was done
             outcome = Outcome[manifest["outcome"].upper()]
             note = "" if outcome is Outcome.COMPLETED else f"; it ended: {manifest['message']}"
+            if driven:
+                note += "; its inputs were driven from outside, --force simulates it without"
             log.say(f"simulate: unchanged, skipped{note}")
             if manifest["details"].get("warning"):
                 log.say(f"simulate: WARNING: {manifest['details']['warning']}")
@@ -163,6 +167,12 @@ def _tipping(scene: Any, log: Log) -> dict[str, dict[str, float]]:
             f"{math.degrees(angles.compliant):.4g} degrees of the road on compliant groups"
         )
     return {name: angles._asdict() for name, angles in found.items()}
+
+
+def _driven(manifest: Mapping[str, Any]) -> str:
+    """Digest of the case of a run whose inputs were driven from outside; empty of another one."""
+    details = manifest.get("details")
+    return str(details.get("driven", "")) if isinstance(details, dict) else ""
 
 
 def _says_all(manifest: Mapping[str, Any]) -> bool:

@@ -645,12 +645,12 @@ class Simulation:
         return pieces
 
     def write_results(self, folder: Path | str) -> StageReport:
-        """Write the histories so far into an output folder, as the stage simulate does, for `report`.
+        """Write the histories so far into an output folder, as the stage simulate does, for `report` and `verify`.
 
-        What drove the inputs belongs to the digest of these results: `simulate` in the same folder takes them only
-        for a run with the same values. A run that has not ended yet is left as one that was interrupted, which
-        `simulate` continues if nothing drove its inputs. Records that begin with a state of another process are never
-        taken for those of a whole run.
+        Commands take the results of a run that has ended for those of the case, and say so if something drove its
+        inputs; with ``--force`` they simulate it without. A run that has not ended yet is left as one that was
+        interrupted, which `simulate` continues if nothing drove its inputs. Records that begin with a state of another
+        process are never taken for those of a whole run.
 
         Raises
         ------
@@ -682,6 +682,8 @@ class Simulation:
             advancer.write()
             save_meshes(work.folder.meshes, self._meshes)
             about = provenance(self._scene, solver, work.log)
+            if past.driven and not past.begin:
+                about |= {"driven": simulate_digest(self.case)}
             outcome, message = self._end
             if not self.ended:
                 outcome, message = Outcome.INTERRUPTED, f"left at t = {self.time:.9g} s"

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.classes import dataclass
+from heavylift.numerics.outcome import InputError
 
 __all__ = ["BodyShape", "Linearisation"]
 
@@ -78,6 +79,15 @@ class Linearisation:
         Velocity of the state, likewise [m/s].
     warnings
         What limits the use of all this, as sentences.
+
+    Examples
+    --------
+    >>> import heavylift as hl
+    >>> modes = hl.Simulation("cases/hoist").linearise(outputs=["fall.tension"])
+    >>> modes.A.shape, modes.C.shape, modes.output_units
+    ((12, 12), (1, 12), ('N',))
+    >>> print(modes.words(-1))
+    1.007 Hz, period 0.9935 s, damping 0: load z 100 %
     """
 
     time: float
@@ -146,10 +156,25 @@ class Linearisation:
         -------
         NDArray
             Complex, shape (k, outputs, inputs), or (outputs, inputs) of a single frequency.
+
+        Raises
+        ------
+        InputError
+            If there is no answer: at a frequency of an undamped mode, or at 0 with a motion that is free.
         """
         each = np.atleast_1d(np.asarray(omega, dtype=np.float64))
         eye = np.eye(len(self.A))
-        found = np.array([self.C @ np.linalg.solve(1j * w * eye - self.A, self.B) + self.D for w in each])
+        try:
+            found = np.array([self.C @ np.linalg.solve(1j * w * eye - self.A, self.B) + self.D for w in each])
+        except np.linalg.LinAlgError:
+            found = np.array(np.nan)
+        if not np.all(np.isfinite(found)):
+            raise InputError(
+                f"no answer at {np.ndarray.tolist(each)} rad/s",
+                source="linearisation",
+                key="omega",
+                expected="finite frequencies: none of an undamped mode, nor 0 with a motion that is free",
+            )
         return found if np.ndim(omega) else np.asarray(found[0])
 
     def table(self, count: int | None = None) -> str:
@@ -170,8 +195,7 @@ class Linearisation:
                 word = "grows in" if s.real > 0.0 else "fades in"
                 what = f"{word:>11}  {1.0 / abs(s.real):8.4g} s  {'':>9}"
             else:
-                frequency, damping = float(self.frequencies[mode]), float(self.damping[mode])
-                damping = damping if abs(damping) > GROWS else 0.0
+                frequency, damping = float(self.frequencies[mode]), self._damping(mode)
                 what = f"{frequency:8.4g} Hz  {1.0 / frequency:8.4g} s  {damping:9.2g}"
             lines.append(f"{mode + 1:>4}  {what}  {self._movers(mode)}")
         if len(of_bodies) > len(lines) - 1:
@@ -194,8 +218,13 @@ class Linearisation:
         elif frequency == 0.0:
             what = f"{'grows' if s.real > 0.0 else 'fades'} in {1.0 / abs(s.real):.4g} s"
         else:
-            what = f"{frequency:.4g} Hz, period {1.0 / frequency:.4g} s, damping {self.damping[mode]:.2g}"
+            what = f"{frequency:.4g} Hz, period {1.0 / frequency:.4g} s, damping {self._damping(mode):.2g}"
         return f"{what}: {self._movers(mode)}"
+
+    def _damping(self, mode: int) -> float:
+        """Damping ratio without its rounding."""
+        damping = float(self.damping[mode])
+        return damping if abs(damping) > GROWS else 0.0
 
     def _movers(self, mode: int) -> str:
         """What has most of the energy: bodies, and the axes of the world along or about which they move most."""

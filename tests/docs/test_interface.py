@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 import shlex
 import shutil
@@ -52,6 +53,27 @@ def printed(program: str, folder: Path) -> str:
         [sys.executable, "-P", folder / "program.py"], capture_output=True, text=True, check=True
     )
     return done.stdout
+
+
+@pytest.mark.slow
+def test_the_messages_that_are_shown_have_the_answers_that_are_shown(tmp_path, monkeypatch):
+    from heavylift import Simulation
+    from heavylift.pipeline.exchange.service import Seat, Service
+
+    monkeypatch.chdir(tmp_path)
+    new, _, _ = (text for language, text in BLOCKS if language == "sh")
+    subprocess.run(heavylift(new), check=True, capture_output=True)
+    with (tmp_path / "demo" / "case.toml").open("a", encoding="utf-8") as file:
+        file.write("\n" + next(text for language, text in BLOCKS if language == "toml"))
+    service, seat = Service(Simulation("demo"), "..."), Seat("a reader")
+    messages = [json.loads(line) for line in BLOCKS[-1][1].splitlines()]
+    for request, shown in zip(messages[::2], messages[1::2], strict=True):
+        answer = service.answer(request, seat)
+        assert answer.keys() == shown.keys()
+        assert {key: answer[key] for key in shown if key not in {"values", "heavylift"}} == {
+            key: shown[key] for key in shown if key not in {"values", "heavylift"}
+        }
+        assert answer.get("values", []) == pytest.approx(shown.get("values", []), rel=1e-6)
 
 
 @pytest.mark.slow

@@ -113,6 +113,7 @@ def test_a_page_of_a_mode(case: Path, capsys: pytest.CaptureFixture[str]) -> Non
         (("--at", "later"), "expected start, rest, or a time from 0 to 2 s"),
         (("--output", "hoist.tensoin"), "no output 'hoist.tensoin'; expected 'hoist.tension'"),
         (("--input", "pull"), "'pull' is no input"),
+        (("--count", "0"), "0; expected 1 or more modes"),
         (("--draw", "7"), "7; expected a mode from 1 to 6"),
         (("--set", "simulate.integrator=thesis"), "thesis"),
     ],

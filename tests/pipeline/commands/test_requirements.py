@@ -60,7 +60,11 @@ def test_the_oldest_versions_that_are_tested_are_those_that_are_allowed() -> Non
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
     tested = dict(line.split("==") for line in (ROOT / "tests" / "oldest.txt").read_text().split())
     allowed = {}
-    for line in project["dependencies"]:
+    extras = project["optional-dependencies"]
+    for line in [
+        *project["dependencies"],
+        *(line for key in ("data", "fmi", "serve") for line in extras[key]),
+    ]:
         name, least = re.match(r"([\w-]+)>=([\d.]+)", line).groups()
         allowed[name] = least
     assert tested.keys() == allowed.keys()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import threading
+from pathlib import Path
 
 import pytest
 
@@ -14,6 +15,7 @@ from heavylift.pipeline.coupled.coupling_file import load_coupling
 from heavylift.pipeline.coupled.run import CoupledScenes, run_coupled
 from heavylift.pipeline.log import Log
 
+CASES = Path(__file__).parents[3] / "cases"
 SIMULATE = "simulate = { step = 0.005, output_interval = 0.01, duration = 2 }\n"
 TOLD = f"""
 title = "What moves as it is told, with a mass"
@@ -168,6 +170,15 @@ def test_a_scene_that_stops_ends_all_and_is_named(scenes):
     assert report.stability is None
     assert 0.1 < report.time < 0.4
     assert (folder / "out" / "coupling.json").is_file()
+
+
+@pytest.mark.parametrize(("method", "doubts"), [("sequential", True), ("iterated", False)])
+def test_a_long_interval_is_told(method, doubts, tmp_path):
+    """A period of 0.47 s in intervals of 12.5 ms: what is held changes by ``w H`` = 17 % in one."""
+    coupling = load_coupling(CASES / "coupled_masses", {"method": method})
+    report = run_coupled(coupling, tmp_path, Log(quiet=True))
+    assert ("in an exchange more than is told of it" in report.warning) == doubts
+    assert (report.warning != "") == doubts
 
 
 def test_a_speed_that_jumps_is_refused(scenes):

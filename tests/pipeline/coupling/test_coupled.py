@@ -187,6 +187,39 @@ def test_a_state_goes_on_in_another_instance(write):
     first.restore(state)
     first.step(0.313)
     assert np.array_equal(rows[0], first.row)
+    without = {name: array for name, array in state.arrays.items() if name != "fmus"}
+    with pytest.raises(InputError, match=r"fmus: has no state of the FMUs; expected that of hold"):
+        first._solver.restore(without)
+    slower = hl.Simulation(load_case(folder, ["fmus.0.sample_time=40 ms"]))
+    with pytest.raises(InputError, match="fmus: is the state of other FMUs or sample times"):
+        slower._solver.restore(state.arrays)
+    with pytest.raises(InputError, match="the state does not fit this case"):
+        slower.restore(state)
+
+
+def test_two_units_do_what_one_does(write):
+    """One is the spring, the other one the damper, each with an input of its own; or that one half as often."""
+    second = (
+        CASE[CASE.index("[[inputs]]") : CASE.index("[simulate]")]
+        .replace('"push"', '"brake"')
+        .replace('"hold"', '"slow"')
+    )
+    spring, damper = "stiffness = 4e4, damping = 0.0", "stiffness = 0.0, damping = 2e3"
+    law = "stiffness = 4e4, damping = 2e3"
+    both = ("[simulate]", second.replace(law, damper) + "[simulate]")
+    one = load_case(write(name="one"))
+    two = load_case(write((law, spring), both, name="two"))
+    mixed = load_case(write((law, spring), (both[0], both[1].replace("20 ms", "40 ms")), name="mixed"))
+    found = []
+    for case in (one, two, mixed):
+        assert run_case(case, stages=("simulate",)).outcome is Outcome.COMPLETED
+        found.append(load_results(case))
+    position = [each["mass.position"][:, 0] for each in found]
+    assert position[1] == pytest.approx(position[0], abs=1e-12)
+    braking = found[2]["brake.value"]
+    assert np.array_equal(braking[1:-1:2], braking[2::2])  # set every second time
+    speeds = found[2]["mass.velocity"][:, 0]
+    assert braking[1:-1:2] == pytest.approx(-2e3 * speeds[0:-1:2], rel=1e-12)
 
 
 WRONG = {

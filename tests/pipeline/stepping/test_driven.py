@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import math
 
 import numpy as np
@@ -9,6 +10,7 @@ import pytest
 
 import heavylift as hl
 from heavylift.pipeline import load_case, load_results, run_case
+from heavylift.pipeline.log import Log
 
 CASE = """
 title = "A mass that is pushed"
@@ -119,13 +121,20 @@ def test_nothing_is_set_behind_the_end(sim):
 
 
 def test_results_tell_what_drove_them(sim, tmp_path):
-    """They are not taken for those of a run that nothing drives."""
+    """They are those of the case, and said to be driven; by force it is simulated without."""
     sim.step(2.0, {"push": 4.0})
     sim.step(2.0, {"push": 0.0})
     assert sim.write_results(tmp_path / "out").outcome is hl.Outcome.COMPLETED
     case = load_case(sim.case.folder)
     assert load_results(case, tmp_path / "out")["push.value"].max() == 4.0
-    assert not run_case(case, out=tmp_path / "out", stages=("simulate",)).stages[0].skipped
+    told = io.StringIO()
+    assert run_case(case, out=tmp_path / "out", stages=("simulate",), log=Log(stream=told)).stages[0].skipped
+    assert (
+        "unchanged, skipped; its inputs were driven from outside, --force simulates it without"
+        in told.getvalue()
+    )
+    assert load_results(case, tmp_path / "out")["push.value"].max() == 4.0
+    run_case(case, out=tmp_path / "out", stages=("simulate",), force=("simulate",))
     assert load_results(case, tmp_path / "out")["push.value"].max() == 0.0
 
 

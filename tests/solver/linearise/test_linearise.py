@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 from scipy.linalg import eigh, expm
-from start_scenes import joint, linkage, parallelograms
+from start_scenes import joint, linkage, parallelograms, rod
 
 from heavylift.numerics.outcome import InputError
 from heavylift.solver.force_elements.maxwell_rope import MaxwellRope
@@ -21,6 +21,7 @@ from heavylift.solver.inputs.winches import WinchLengthInput, WinchSpeedInput
 from heavylift.solver.joints.ball import Ball
 from heavylift.solver.joints.fixed import FixedJoint
 from heavylift.solver.joints.hinge import Hinge
+from heavylift.solver.joints.slider import Slider
 from heavylift.solver.linearise.linearise import linearise
 from heavylift.solver.linearise.result import Linearisation
 from heavylift.solver.scene.connections import GROUND, RopePoint, Winch
@@ -294,6 +295,9 @@ def test_transfer_from_a_force() -> None:
         np.abs((k + 1j * c * omega) * expected), rel=1e-7
     )
     assert found.transfer(6.0).shape == (2, 1)
+    for omega in (0.0, np.nan):  # nothing holds the mass across the spring
+        with pytest.raises(InputError, match="no answer at"):
+            found.transfer(omega)
 
 
 def test_speed_and_length_of_a_winch() -> None:
@@ -479,3 +483,23 @@ def test_inputs_are_left_as_they_are() -> None:
     assert one.advance(60)[1].tobytes() == other.advance(60)[1].tobytes()
     before, after = one.state(), other.state()
     assert all(before[name].tobytes() == after[name].tobytes() for name in before if name != "cpu_seconds")
+
+
+def test_rate_of_a_drive_with_joints() -> None:
+    """A rod of 1 m hinged to a driven cart: ``x'' = p''/4 - 3 g/2 (x - p)`` of its centre."""
+    cart = RigidBody("cart", 3.0, np.eye(3))
+    beam = rod("rod", (0, 0, 0), (0, -1, 0))
+    rail = replace(
+        joint(Slider, "rail", None, cart, (0, 0, 0), (1, 0, 0)),
+        drive=Profile(times=np.zeros(1), speeds=np.zeros(1)),
+    )
+    pin = joint(Hinge, "pin", cart, beam, (0, 0, 0))
+    down = Gravity(np.array([0.0, -G, 0.0]))
+    drive = DriveSpeedInput(name="drive", joint="rail")
+    found = of(Scene((cart, beam), (down,), (), (rail, pin), inputs=(drive,)))
+    place = found.states.index("drive.place")
+    assert found.states[0] == "rod.x"
+    expected = [-1.5 * G, 1.5 * G, 0.25]
+    assert [found.A[1, 0], found.A[1, place], found.B[1, 1]] == pytest.approx(expected, rel=1e-6)
+    assert found.B[1, 0] == pytest.approx(0.0, abs=1e-6)
+    assert found.B[place] == pytest.approx([1.0, 0.0], abs=0.0)

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from point_masses import System, make_cloud
 from scenarios import start_of
+from scipy.linalg import eigh
 
 from heavylift.solver.bodies.lumped_cable.lumped_cable import LumpedCable
 from heavylift.solver.joints.ball import Ball
@@ -28,6 +31,21 @@ def test_modes_of_a_body_whose_frame_is_fixed() -> None:
     squares = np.sort(system.cloud.stiffness)
     assert found.frequencies == pytest.approx(np.sqrt(squares) / (2.0 * np.pi), rel=1e-6)
     assert found.participation[scene.bodies[0].name][:, 2] == pytest.approx(1.0)
+
+
+def test_modes_of_a_free_body() -> None:
+    """Six motions are free; the others are those of its points, ``K x = w2 J^T m J x``."""
+    start = start_of(3)
+    still = {name: np.zeros_like(value) for name, value in vars(start).items() if name != "orientation"}
+    system = System(make_cloud(seed=3), replace(start, **still))
+    found = linearise(Simulation(system.scene(), 1e-3))
+    cloud, n = system.cloud, system.cloud.mode_count
+    J = cloud.jacobians(np.eye(3), np.zeros(n))
+    M = np.einsum("j,jai,jak->ik", cloud.masses, J, J)
+    K = np.diag(np.concatenate([np.zeros(6), cloud.stiffness]))
+    expected = np.sqrt(np.maximum(eigh(K, M, eigvals_only=True)[6:], 0.0)) / (2.0 * np.pi)
+    assert found.zeros == 12
+    assert found.frequencies[6:] == pytest.approx(expected, rel=1e-6)
 
 
 @pytest.mark.parametrize("model", ["green-lagrange", "exact"])
