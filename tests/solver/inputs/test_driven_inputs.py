@@ -226,6 +226,11 @@ def test_a_winch_is_no_faster_than_it_can() -> None:
         simulation.set_input("haul", 0.6)
     with pytest.raises(InputError, match=r"-0.6 m/s"):
         simulation.set_input("haul", 0.0, -1.0, 0.6)
+    simulation = Simulation(hoist(winch, inputs=(WinchLengthInput(name="length", rope="hoist"),)), 0.1)
+    length, _ = simulation.inputs.value("length")
+    with pytest.raises(InputError, match=r"the winch would move with 0.6 m/s, and does 0.5 m/s at most"):
+        simulation.set_input("length", length, -0.6, 1.0)
+    simulation.set_input("length", length, 0.5, 1.0)
 
 
 @pytest.mark.parametrize("integrator", ["accurate", "thesis"])

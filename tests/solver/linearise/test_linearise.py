@@ -503,3 +503,12 @@ def test_rate_of_a_drive_with_joints() -> None:
     assert [found.A[1, 0], found.A[1, place], found.B[1, 1]] == pytest.approx(expected, rel=1e-6)
     assert found.B[1, 0] == pytest.approx(0.0, abs=1e-6)
     assert found.B[place] == pytest.approx([1.0, 0.0], abs=0.0)
+
+
+@pytest.mark.parametrize("integrator", ["dele2", "accurate"])
+def test_a_body_that_nothing_holds_has_six_free_motions(integrator: str) -> None:
+    """Without rows the systems of the accurate integrator are its own state alone."""
+    body = RigidBody("body", mass=MASS, inertia=np.diag(INERTIA))
+    found = of(Scene((body,)), integrator=integrator)
+    assert np.abs(found.eigenvalues).max() < 1e-6
+    assert found.A.shape == (12, 12)
