@@ -47,6 +47,8 @@ DELAYS = 4
 """Times in a row of a recursion that is fitted."""
 NOISE = 1e-6
 """Of the largest singular value, below which a history has nothing to tell."""
+SHOWN = 0.5
+"""Part of the growth of a root that histories show, between the phases of an oscillation."""
 PULSE = 1e-4
 """Size of a pulse, relative to the values of its link."""
 
@@ -265,13 +267,20 @@ def _largest_root(histories: Sequence[NDArray[np.float64]]) -> float:
     rank = int(np.count_nonzero(s > NOISE * s[0]))
     roots = np.linalg.eigvals((u[:, :rank].T @ y @ vt[:rank].T) / s[:rank])
     largest = float(np.abs(roots).max(initial=0.0))
-    return largest if largest <= 1.0 else max(1.0, min(largest, _amplification(whole)))
+    seen = _amplification(whole)
+    # a root beyond one that is rounding shows in no history
+    return largest if largest <= 1.0 or seen - 1.0 > SHOWN * (largest - 1.0) else max(1.0, seen)
 
 
 def _amplification(whole: NDArray[np.float64]) -> float:
-    """Growth in an exchange from the second to the last quarter: a root that grows and is no rounding is seen there."""
+    """Growth in an exchange over and above that of a power of time, as of a place that drifts.
+
+    What grows as a power gains the same factor in each doubling of time; what grows in each exchange by the factor r
+    gains ``r^(N/4)`` more from N/2 to N than from N/4 to N/2.
+    """
     count = whole.shape[1]
-    quarter = count // 4
     sizes = np.abs(whole).max(axis=2)
-    ratios = sizes[:, -quarter:].max(axis=1) / np.maximum(sizes[:, quarter : 2 * quarter].max(axis=1), 1e-300)
-    return float(ratios.max() ** (1.0 / (0.5 * count)))
+    parts = [(count // 8, count // 4), (count // 4, count // 2), (count // 2, count)]
+    first, second, third = (np.maximum(sizes[:, a:b].max(axis=1), 1e-300) for a, b in parts)
+    gained = (third / second) / np.maximum(second / first, 1.0)
+    return float(gained.max() ** (4.0 / count))
