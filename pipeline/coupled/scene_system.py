@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from heavylift.numerics.outcome import InputError, Outcome
+from heavylift.pipeline.coupling.master import moves
 from heavylift.pipeline.results.storage import StopError
 
 if TYPE_CHECKING:
@@ -33,7 +34,8 @@ class SceneSystem:
     def __init__(self, name: str, scene: Simulation | RemoteSimulation, outputs: Sequence[str]) -> None:
         self.name, self.scene = name, scene
         self._outputs = tuple(outputs)
-        self._kinds = {name: info.interpolation for name, info in scene.inputs.items()}
+        self._moving = {n for n, info in scene.inputs.items() if moves(info.interpolation, info.unit)}
+        self._constant = {n for n, info in scene.inputs.items() if info.interpolation == "constant"}
         self._told: dict[str, tuple[float, float]] = {}
 
     def set(self, values: Mapping[str, float], rates: Mapping[str, float]) -> None:
@@ -53,11 +55,11 @@ class SceneSystem:
 
     def _setting(self, name: str, value: float, rate: float, dt: float) -> float | tuple[float, float]:
         """What is set for an interval that begins with a value and has a rate."""
-        if self._kinds[name] == "linear":
+        if name in self._moving:
             return value + rate * dt
-        if self._kinds[name] == "constant":
+        if name in self._constant:
             return value + 0.5 * rate * dt
-        return (value, rate) if rate else value
+        return value, rate
 
     def outputs(self) -> dict[str, float]:
         """What was asked for, now."""

@@ -17,7 +17,7 @@ from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.pipeline.case.simulate import multiple
 from heavylift.pipeline.coupling.fmu_file import unit_factor
 from heavylift.pipeline.coupling.fmu_process import FmuError, FmuProcess
-from heavylift.pipeline.coupling.master import Link, Master, System
+from heavylift.pipeline.coupling.master import Link, Master, System, moves
 from heavylift.pipeline.results.storage import StopError
 from heavylift.solver.recorded_numbers import recorded_numbers
 from heavylift.solver.simulation import Simulation
@@ -91,11 +91,11 @@ class _Scene:
         settings = []
         for name, value in self._values.items():
             rate = self._rates[name]
-            kind = simulation.inputs[name].interpolation
-            if kind == "linear":
+            port = simulation.inputs[name]
+            if moves(port.interpolation, port.unit):
                 present, _ = simulation.inputs.value(name)
                 settings.append((name, present, (value + rate * dt - present) / dt, until))
-            elif kind == "constant":
+            elif port.interpolation == "constant":
                 settings.append((name, value + 0.5 * rate * dt, 0.0, math.inf))
             else:
                 settings.append((name, value, rate, until if rate else math.inf))

@@ -31,7 +31,7 @@ from heavylift.pipeline.results.storage import StopError
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-__all__ = ["Link", "Master", "Method", "System"]
+__all__ = ["Link", "Master", "Method", "System", "moves"]
 
 Method = Literal["held", "sequential", "extrapolated", "iterated"]
 """How systems are told what the others do within an interval."""
@@ -48,6 +48,15 @@ SINGULAR = 1e-9
 """Of the largest singular value, below which a loop of links has no solution."""
 PULSE = 1e-5
 """Of the largest value of a link, by which it is changed for that."""
+
+
+def moves(interpolation: str, unit: str) -> bool:
+    """Whether an input of a scene goes from where it is to what it is told of the end of an interval.
+
+    Places, lengths and speeds that are linear do; a force or moment begins an interval with what it is told, whatever
+    acted before: nothing is lost by its jump.
+    """
+    return interpolation == "linear" and unit not in {"N", "N m"}
 
 
 class System(Protocol):

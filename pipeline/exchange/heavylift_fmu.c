@@ -523,7 +523,7 @@ static int reset(Unit *unit)
 
 static int setup(Unit *unit, double start)
 {
-    if (!isfinite(start)) return fail(unit, ERROR, "a start at t = %g s", start);
+    if (start != 0.0) return fail(unit, ERROR, "a start at t = %g s: a case begins at 0", start);
     unit->time = start;
     return OK;
 }

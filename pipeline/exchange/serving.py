@@ -184,9 +184,9 @@ def _simulation(
 def _ending(service: Service, out: Path | None, reserved: contextlib.ExitStack) -> int:
     """Write the results if they are asked for; the exit code."""
     simulation = service.simulation
-    reserved.close()
-    if out is not None:
-        simulation.write_results(out)
+    with reserved:
+        if out is not None:
+            simulation.write_results(out, lock=False)
     if service.fault:
         raise StopError(Outcome.FAULT, f"an internal error, not an error of the input: {service.fault}")
     if simulation.outcome is not Outcome.COMPLETED:

@@ -7,6 +7,7 @@ import shutil
 import tempfile
 import time as clock
 import weakref
+from contextlib import nullcontext
 from difflib import get_close_matches
 from functools import cached_property
 from numbers import Real
@@ -652,13 +653,20 @@ class Simulation:
             )
         return pieces
 
-    def write_results(self, folder: Path | str) -> StageReport:
+    def write_results(self, folder: Path | str, *, lock: bool = True) -> StageReport:
         """Write the histories so far into an output folder, as the stage simulate does, for `report` and `verify`.
 
         Commands take the results of a run that has ended for those of the case, and say so if something drove its
         inputs; with ``--force`` they simulate it without. A run that has not ended yet is left as one that was
         interrupted, which `simulate` continues if nothing drove its inputs. Records that begin with a state of another
         process are never taken for those of a whole run.
+
+        Parameters
+        ----------
+        folder
+            The output folder.
+        lock
+            False: the caller holds the lock of the folder.
 
         Raises
         ------
@@ -681,7 +689,7 @@ class Simulation:
         digest = simulate_digest(self.case)
         if past.driven or past.begin:
             digest = digest_json([digest, past.driven.hex(), past.begin])
-        with locked(work.folder.root):
+        with locked(work.folder.root) if lock else nullcontext():
             work.folder.results.unlink(missing_ok=True)  # of an earlier run
             remove_segments(work.folder.segments)
             advancer = Advancer(solver, work.folder.segments, digest, solver.step_index)

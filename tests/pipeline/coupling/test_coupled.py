@@ -104,6 +104,16 @@ def test_a_coupled_run_has_the_order_of_its_coupling(write, version, changes, or
     assert found == pytest.approx([order, order], abs=0.2), errors
 
 
+def test_a_linear_force_begins_with_what_the_unit_gives(write):
+    """20 kN at the start: from 0 on, the first interval would lose an impulse, and with it an order."""
+    linear = ('name = "push"', 'name = "push"\ninterpolation = "linear"')
+    folder = write(ITERATED, linear, version=3)
+    errors = [
+        error(folder, f"fmus.0.sample_time={each}", "simulate.output_interval=40 ms") for each in INTERVALS
+    ]
+    assert [math.log2(a / b) for a, b in pairwise(errors)] == pytest.approx([2, 2], abs=0.2), errors
+
+
 @pytest.mark.parametrize("changes", [(), (ITERATED,)])
 def test_a_run_that_was_stopped_goes_on_with_the_same_bits(write, monkeypatch, changes):
     whole = load_case(write(*changes, name="whole"))
