@@ -401,7 +401,7 @@ def test_a_group_that_the_mesh_does_not_have_is_refused_with_those_it_has(tmp_pa
 
 def test_records_that_are_not_finite_have_no_stress(resting):
     results = load_results(resting)
-    results["held.modal_position"][-1] = np.nan
+    results._columns["held.modal_position"][-1] = np.nan
     with pytest.raises(InputError, match="modal coordinates of 'held' are not finite from 0 s on"):
         body_stress(resting, "held", OutputFolder(resting.output_folder), results)
 
