@@ -38,7 +38,7 @@ __all__ = ["mutant", "run", "run_hostile", "run_loader", "run_simulations"]
 
 TREE = Path(__file__).resolve().parents[2]
 LOADER_SECONDS, SIMULATION_SECONDS = 20.0, 20.0
-STOPPED = {3, 4, 5, *range(8, 20)}
+STOPPED = {3, 4, 5, *range(8, 21)}
 
 VALUES: tuple[Any, ...] = (
     0, -1, 1, 2, 10**9, 2**63 - 1, 2**63, -(2**31), 0.0, -0.0, -1.0, 1e-300, 5e-324, 1e300, 1e9, 1e-9, math.nan,

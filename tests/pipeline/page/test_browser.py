@@ -657,6 +657,8 @@ def test_a_run_in_a_cell_of_a_notebook_is_drawn_by_itself(page, tmp_path):
     cell.write_text(
         f"<!DOCTYPE html><title>notebook</title><body>{run._repr_html_()}</body>", encoding="utf-8"
     )
+    page.driver.get("about:blank")
+    page.errors()  # of what the page before asks a server that is gone
     page.driver.get(cell.as_uri())
     page.driver.switch_to.frame(0)
     page.wait("window.heavylift && (heavylift.state.ready || heavylift.state.error !== '')")
