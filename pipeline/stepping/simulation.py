@@ -431,7 +431,7 @@ class Simulation:
         """Steps in a time."""
         step = self._solver.step
         try:
-            count = round(float(dt) / step)
+            count = round(float(dt) / step) if _is_number(dt) else 0
         except (TypeError, ValueError, OverflowError):
             count = 0
         if count < 1 or abs(count * step - dt) > WHOLE * step * max(1.0, count * 1e-3):

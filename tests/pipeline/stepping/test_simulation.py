@@ -134,6 +134,7 @@ def test_outputs_by_name(sim):
         (lambda sim: sim.step(float("nan")), "dt: nan s is no multiple"),
         (lambda sim: sim.step(-0.01), "dt: -0.01 s is no multiple"),
         (lambda sim: sim.step("x"), "dt: 'x' s is no multiple"),
+        (lambda sim: sim.step("0.1"), "dt: '0.1' s is no multiple"),
         (lambda sim: sim.step(1e4), "the run ends at 20 s; expected a shorter time, or a longer 'duration'"),
         (
             lambda sim: sim["load.positon.z"],
