@@ -97,6 +97,7 @@ def children():
     return {int(number) for file in found for number in file.read_text().split() if not gone(int(number))}
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(shutil.which("localedef") is None, reason="no locales can be made")
 def test_a_host_may_write_numbers_with_a_comma(tmp_path, monkeypatch):
     """Its locale decides on what functions of C take for a number."""
@@ -223,6 +224,7 @@ def test_the_child_of_a_host_that_is_killed_ends(tmp_path):
     until(lambda: gone(numbers[0]))
 
 
+@pytest.mark.slow
 def test_a_unit_without_a_python_says_so(tmp_path, monkeypatch):
     file = export_fmu(DRIVEN, 3, out=tmp_path / "driven.fmu")
     monkeypatch.setenv("HEAVYLIFT_PYTHON", str(tmp_path / "python"))
@@ -242,6 +244,7 @@ def test_a_machine_without_a_compiler_is_told(tmp_path, monkeypatch):
     assert not (tmp_path / "driven.fmu").exists()
 
 
+@pytest.mark.slow
 def test_the_library_touches_no_memory_that_is_not_its_own(tmp_path):
     file, program = export_fmu(DRIVEN, 3, out=tmp_path / "driven.fmu"), tmp_path / "host"
     source = str(Path(__file__).parent / "fmu_host.c")
