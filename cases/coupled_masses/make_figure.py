@@ -70,7 +70,9 @@ def main():
     for order, at in ((1, 2e-3), (2, 1.5e-5)):
         slope = at * (np.array(INTERVALS[2:]) / INTERVALS[-1]) ** order
         axes.loglog(INTERVALS[2:], slope, color="0.5", linestyle=":", label=f"order {order}")
-    axes.set_xlabel("time between exchanges [s]")
+    axes.set_xticks(INTERVALS, [f"{1e3 * one:g}" for one in INTERVALS])
+    axes.set_xticks([], minor=True)
+    axes.set_xlabel("time between exchanges [ms]")
     axes.set_ylabel("largest error of a displacement [m]")
     axes.grid(visible=True, which="both", alpha=0.3)
     axes.legend()

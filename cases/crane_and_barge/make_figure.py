@@ -60,7 +60,9 @@ def main():
         worst = [max(found[method, h]) for h in INTERVALS]
         axes.loglog(INTERVALS, worst, marker=marker, label=method)
     axes.axhline(1e-3, color="0.5", linestyle=":")
-    axes.set_xlabel("time between exchanges [s]")
+    axes.set_xticks(INTERVALS, [f"{1e3 * one:g}" for one in INTERVALS])
+    axes.set_xticks([], minor=True)
+    axes.set_xlabel("time between exchanges [ms]")
     axes.set_ylabel("largest deviation over range in one scene")
     axes.grid(visible=True, which="both", alpha=0.3)
     axes.legend()

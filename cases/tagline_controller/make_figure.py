@@ -34,7 +34,9 @@ def main():
     axes = figure.add_subplot()
     for coupling, row, marker in zip(COUPLINGS, table.T, "s^", strict=True):
         axes.loglog(SAMPLES, row, marker=marker, label=coupling)
-    axes.set_xlabel("sample time of the controller [s]")
+    axes.set_xticks(SAMPLES, [f"{1e3 * one:g}" for one in SAMPLES])
+    axes.set_xticks([], minor=True)
+    axes.set_xlabel("sample time of the controller [ms]")
     axes.set_ylabel("largest error of the position [m]")
     axes.grid(visible=True, which="both", alpha=0.3)
     axes.legend()
