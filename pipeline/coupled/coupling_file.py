@@ -13,7 +13,7 @@ from heavylift.pipeline.case.errors import input_errors
 from heavylift.pipeline.case.fields import CaseContext, InFolder, Name, Positive, Section, reject
 from heavylift.pipeline.coupling.master import Method
 
-__all__ = ["COUPLING_FILE", "Coupling", "LinkSection", "SceneSection", "is_coupling", "load_coupling"]
+__all__ = ["COUPLING_FILE", "Coupling", "LinkSection", "SceneSection", "load_coupling"]
 
 COUPLING_FILE = "coupling.toml"
 
@@ -144,11 +144,6 @@ class Coupling(Section):
     def folder(self) -> Path:
         """Folder of that."""
         return self._file.parent
-
-
-def is_coupling(path: Path) -> bool:
-    """Whether a path is a file of coupled scenes, or a folder with one."""
-    return path.name == COUPLING_FILE if path.is_file() else (path / COUPLING_FILE).is_file()
 
 
 def load_coupling(path: Path | str, changes: dict[str, Any] | None = None) -> Coupling:

@@ -12,7 +12,7 @@ from heavylift.numerics.classes import dataclass
 from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.numerics.units import parse_unit
 from heavylift.pipeline.coupled.scene_system import SceneSystem
-from heavylift.pipeline.coupled.stability import EXCHANGES, exchange_stability
+from heavylift.pipeline.coupled.stability import EXCHANGES, GROWS, exchange_stability
 from heavylift.pipeline.coupling.master import Link, Master
 from heavylift.pipeline.exchange.client import ExchangeError, connect, open_child
 from heavylift.pipeline.results.storage import OutputFolder, StopError, read_json, write_json
@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 
     from heavylift.pipeline.coupled.coupling_file import Coupling
     from heavylift.pipeline.coupled.stability import ExchangeStability
+    from heavylift.pipeline.exchange.client import RemoteSimulation
     from heavylift.pipeline.log import Log
 
 __all__ = ["CoupledReport", "CoupledScenes", "coupled_document", "run_coupled"]
@@ -120,6 +121,9 @@ class CoupledScenes:
             self.stability: ExchangeStability | None = self._stability(self.interval)
             self._refuse_unstable()
             self.master = Master(self.systems, self.links, exchange.method, tolerance=exchange.tolerance)
+        except ExchangeError as error:  # of a scene that is gone
+            self.close()
+            raise StopError(Outcome.INTERRUPTED, str(error)) from None
         except BaseException:
             self.close()
             raise
@@ -131,17 +135,18 @@ class CoupledScenes:
         self.close()
 
     def close(self) -> None:
-        """End the processes and connections of scenes that run elsewhere."""
+        """End the processes of scenes that run elsewhere, those of FMUs, and connections."""
         self._open.close()
 
     def _opened(self, name: str) -> Any:
         """A scene, here, in a process of its own, or at an address."""
         section, coupling = self.coupling.scenes[name], self.coupling
         folder, out = coupling.folder / section.case, self.folders.get(name)
-        if section.process == "same":
-            return Simulation(folder, out=out, overrides=section.set)
+        scene: Simulation | RemoteSimulation
         try:
-            if section.process == "own":
+            if section.process == "same":
+                scene = Simulation(folder, out=out, overrides=section.set)
+            elif section.process == "own":
                 scene = open_child(folder, out=out, overrides=section.set)
             else:
                 assert section.token_file is not None
@@ -230,7 +235,7 @@ class CoupledScenes:
         whole = int((self.duration + WHOLE * interval) / interval)
         try:
             found = self._looked_at(interval, max(8, min(EXCHANGES, whole)))
-            if 1.001 < found.growth < SOON and whole > EXCHANGES:
+            if GROWS < found.growth < SOON and whole > EXCHANGES:
                 # what begins to move grows too; what is not stable goes on to grow
                 found = self._looked_at(interval, min(4 * EXCHANGES, whole))
         except StopError:

@@ -37,10 +37,12 @@ if TYPE_CHECKING:
 
     from heavylift.pipeline.coupling.master import Link, Method, System
 
-__all__ = ["EXCHANGES", "ExchangeStability", "exchange_stability", "loop_matrix"]
+__all__ = ["EXCHANGES", "GROWS", "ExchangeStability", "exchange_stability"]
 
 EXCHANGES = 60
 """Intervals over which answers are measured."""
+GROWS = 1.001
+"""Growth of deviations in an exchange that is told."""
 GROWING = 1.02
 """Growth of deviations in an exchange that is no rounding and no slow motion of the scenes."""
 DELAYS = 4
@@ -81,7 +83,7 @@ class ExchangeStability:
         """In words."""
         words = f"loop gain {self.gain:.3g}"
         if self.stable:
-            slow = f"deviations grow {self.growth:.4f} times in each, " if self.growth > 1.001 else ""
+            slow = f"deviations grow {self.growth:.4f} times in each, " if self.growth > GROWS else ""
             return f"stable with {self.interval:g} s between exchanges, {slow}{words}"
         return (
             f"unstable with {self.interval:g} s between exchanges: deviations grow {self.growth:.3g} times in each, "
@@ -153,20 +155,6 @@ def _run(
         told = system.outputs()
         seen.append([link.told(told) for link in out])
     return np.array(seen)
-
-
-def loop_matrix(
-    systems: Mapping[str, System],
-    links: Sequence[Link],
-    time: float,
-    dt: float,
-    sizes: Mapping[int, float] | None = None,
-) -> NDArray[np.float64]:
-    """Change of what all links carry at the end of an interval by what systems are told of that end.
-
-    Shape (links, links). The systems are in the state in which they were.
-    """
-    return _answers(systems, links, time, dt, 1, sizes).rates[0] / dt
 
 
 def exchange_stability(

@@ -14,6 +14,7 @@ from heavylift.pipeline.commands.couple import couple
 from heavylift.pipeline.coupled.coupling_file import load_coupling
 from heavylift.pipeline.coupled.run import CoupledScenes, run_coupled
 from heavylift.pipeline.log import Log
+from heavylift.pipeline.results.storage import StopError
 
 CASES = Path(__file__).parents[3] / "cases"
 SIMULATE = "simulate = { step = 0.005, output_interval = 0.01, duration = 2 }\n"
@@ -179,6 +180,25 @@ def test_a_long_interval_is_told(method, doubts, tmp_path):
     report = run_coupled(coupling, tmp_path, Log(quiet=True))
     assert ("in an exchange more than is told of it" in report.warning) == doubts
     assert (report.warning != "") == doubts
+
+
+def test_a_scene_that_is_gone_while_it_is_looked_at_is_told(scenes, monkeypatch):
+    """And the other one's process ends too."""
+    coupling = scenes(1.0) / "coupling.toml"
+    own = COUPLING.replace('case = "told"', 'case = "told", process = "own"')
+    coupling.write_text(own.replace('case = "tells"', 'case = "tells", process = "own"'))
+    opened = []
+
+    def dies(self, interval):
+        opened.extend(self.scenes.values())
+        opened[1]._child.kill()
+        return look(self, interval)
+
+    look = CoupledScenes._stability
+    monkeypatch.setattr(CoupledScenes, "_stability", dies)
+    with pytest.raises(StopError, match="has closed the connection"):
+        run_coupled(load_coupling(coupling), coupling.parent / "out", Log(quiet=True))
+    assert [one._child.poll() is None for one in opened] == [False, False]
 
 
 def test_a_speed_that_jumps_is_refused(scenes):
